@@ -751,8 +751,9 @@ typedef struct pzs_modal_gains_state {
     pzs_real *gradient; /* [inputs] work array (m2/V): first half the gradient of the objective with
                            its sign changed, before gains act on it; then the correction of this
                            gradient in the modes */
-    pzs_real *deviation; /* [inputs] present voltages minus reference voltages, on which the leak
-                            acts (V), padded with zeros; 0 for an input whose voltage is fixed */
+    pzs_real *deviation; /* [inputs] present voltages minus reference voltages (V), of which each
+                            tick removes a part, the leak; padded with zeros; 0 for an input whose
+                            voltage is fixed */
     pzs_real *product;   /* [inputs] product of the Hessian of the optimisation with `deviation`
                             (m2/V) */
     pzs_real *step; /* [modes] wanted change of the coordinate of each mode in this tick (m), minus
@@ -762,11 +763,16 @@ typedef struct pzs_modal_gains_state {
                              voltages */
 } pzs_modal_gains_state;
 
-/* Memory of the block that takes the free functions of the target out of shapes. */
+/*
+ * Memory of the block that removes from shapes their components along the free functions, shapes
+ * that may be added to the target at no cost.
+ */
 typedef struct pzs_free_functions_state {
     const struct pzs_free_functions *tables;
-    pzs_real *coordinate; /* [count] coordinate of each free function in a shape (m) */
-    pzs_real *shape;      /* [PZS_FREE_SHAPES][outputs] shapes without the free functions (m) */
+    pzs_real *coordinate; /* [count] component (m) of a shape along each free function, a shape that
+                             may be added to the target at no cost */
+    pzs_real *shape;      /* [PZS_FREE_SHAPES][outputs] shapes (m) whose components along the free
+                             functions have been removed */
 } pzs_free_functions_state;
 
 typedef struct pzs_feed_forward_state {

@@ -108,11 +108,13 @@ typedef struct pzs_loop_signals {
      */
     void (*take_effects)(const struct pzs_loop_signals *signals, pzs_real *voltage);
     struct pzs_free_functions_state *free_functions; /* memory of pzs_free_functions_block; NULL:
-                                                        the target has no free functions */
+                                                        the target has no free functions (shapes
+                                                        that may be added to it at no cost) */
     /*
-     * Function that returns a shape [outputs] without the free functions of the target, and with 0
-     * at outputs of weight 0, in one of the PZS_FREE_SHAPES arrays of the block, number `place`,
-     * until the next call with this number; NULL: the target has no free functions.
+     * Function that returns a shape [outputs] without its components along the free functions
+     * (shapes that may be added to the target at no cost), and with 0 at outputs of weight 0. The
+     * result stands in array number `place` (below PZS_FREE_SHAPES) of pzs_free_functions_block
+     * until the next call with this number. NULL: the target has no free functions.
      */
     const pzs_real *(*without_free)(const struct pzs_loop_signals *signals, const pzs_real *shape,
                                     uint32_t place);
@@ -560,11 +562,11 @@ extern const pzs_block_type pzs_sensor_gate_block;
  * All arrays are const and may stay in flash.
  */
 typedef struct pzs_modal_gains {
-    uint32_t format, scene;  /* format: format number of the tables of modal gains; scene: hash of
-                                the scene file from which `pzs tables` generated them, equal to the
-                                hash in the controller's tables (pzs_problem) */
-    uint32_t crc;            /* checksum of the tables of modal gains and their arrays, computed by
-                                pzs_modal_gains_seal */
+    uint32_t format, scene; /* format: format number of these tables of gains and leaks of modes;
+                               scene: hash of the scene file from which `pzs tables` generated them,
+                               equal to the hash in the controller's tables (pzs_problem) */
+    uint32_t crc; /* checksum of these tables of gains and leaks of modes with their arrays,
+                     computed by pzs_modal_gains_seal */
     uint16_t inputs, modes;  /* number of inputs, and number of modes, which may be 0 */
     const pzs_real *pattern; /* [modes][inputs] voltages that make up 1 m of each mode (V/m). This
                                 array and the next three may be NULL if there are no modes */
@@ -576,23 +578,25 @@ typedef struct pzs_modal_gains {
                            */
     const pzs_real *leak; /* [modes] leak of each mode: part of its coordinate that is lost in a
                              tick, from 0 to 1 */
-    pzs_real other_gain;  /* gain of all voltages outside the span of the modes, at least 0;
-                             other_gain plus other_leak must be below 2 */
-    pzs_real other_leak;  /* leak of all voltages outside the span of the modes, from 0 to 1; if it
-                             is above 0, a tick takes inputs * inputs more multiply-adds */
+    pzs_real other_gain; /* gain of all voltages outside the span of the modes: part of their wanted
+                            change that a tick makes, at least 0; other_gain plus other_leak must be
+                            below 2 */
+    pzs_real other_leak; /* leak of all voltages outside the span of the modes: part of them that a
+                            tick removes, from 0 to 1; if it is above 0, a tick takes (inputs)^2
+                            more multiply-adds */
 } pzs_modal_gains;
 
 /*
- * Write the format number and the checksum into tables of modal gains that a firmware has built
- * itself. Errors: PZS_E_ARGUMENT.
+ * Write the format number and the checksum into tables of gains and leaks of modes
+ * (pzs_modal_gains) that a firmware has built itself. Errors: PZS_E_ARGUMENT.
  */
 pzs_status pzs_modal_gains_seal(pzs_modal_gains *tables);
 
 /*
- * Block (stage of the control tick, in PZS_PHASE_READINGS) that gives the control step gains and
- * leaks of modes, which are patterns of voltages. Tables: pzs_modal_gains. Work of a tick: 3 *
- * modes * inputs multiply-adds. Errors of its initialisation: PZS_E_FORMAT, PZS_E_CRC,
- * PZS_E_NONFINITE, and
+ * Block (stage of the control tick, in PZS_PHASE_READINGS) that gives each mode (a pattern of
+ * voltages) a gain, the part of its wanted change that a tick makes, and a leak, the part of its
+ * coordinate that a tick removes. Tables: pzs_modal_gains. Work of a tick: 3 * modes * inputs
+ * multiply-adds. Errors of its initialisation: PZS_E_FORMAT, PZS_E_CRC, PZS_E_NONFINITE, and
  *   PZS_E_ARGUMENT  also for tables of other sizes, and for a gain or leak out of range; info.where
  *                   is then the index of the mode, or the number of modes for other_gain or
  *                   other_leak
@@ -611,32 +615,39 @@ extern const pzs_block_type pzs_modal_gains_block;
  * along them without a prediction of the model. The arrays are const and may stay in flash.
  */
 typedef struct pzs_free_functions {
-    uint32_t format, scene; /* format: format number of the tables of free functions; scene: hash of
-                               the scene file from which `pzs tables` generated them, equal to the
-                               hash in the controller's tables (pzs_problem) */
-    uint32_t crc;           /* checksum of the tables of free functions and their array, computed by
-                               pzs_free_functions_seal */
-    uint16_t outputs, count; /* number of outputs, and number of free functions, at least 1 */
-    const pzs_real *value; /* [count][outputs] displacement of each output in each free function, 0
-                              at outputs of weight 0. The functions are orthonormal: the sum over
-                              the outputs of the product of two is 1 for the same, otherwise 0 */
+    uint32_t format, scene; /* format: format number of the tables of free functions (shapes that
+                               may be added to the target at no cost); scene: hash of the scene file
+                               from which `pzs tables` generated them, equal to the hash in the
+                               controller's tables (pzs_problem) */
+    uint32_t crc; /* checksum of the tables of free functions (shapes that may be added to the
+                     target at no cost) and their array, computed by pzs_free_functions_seal */
+    uint16_t outputs, count; /* number of outputs, and number of free functions (shapes that may be
+                                added to the target at no cost), at least 1 */
+    const pzs_real *value;   /* [count][outputs] displacement of each output in each free function
+                                (shape that may be added to the target at no cost), 0 at outputs of
+                                weight 0. The functions are orthonormal: the sum over the outputs of
+                                the product of two is 1 for the same, otherwise 0 */
 } pzs_free_functions;
 
 /*
- * Write the format number and the checksum into tables of free functions that a firmware has built
- * itself. Errors: PZS_E_ARGUMENT.
+ * Write the format number and the checksum into tables of free functions (shapes that may be added
+ * to the target at no cost) that a firmware has built itself. Errors: PZS_E_ARGUMENT.
  */
 pzs_status pzs_free_functions_seal(pzs_free_functions *tables);
 
 /*
  * Block (stage of the control tick, in PZS_PHASE_READINGS) by which the supervisor compares shapes
- * without the free functions of the target. Tables: pzs_free_functions. Work of a tick, in the
- * supervisor: at most 2 * PZS_FREE_SHAPES * count * outputs multiply-adds.
- * Errors of its initialisation: PZS_E_FORMAT, PZS_E_CRC, PZS_E_NONFINITE, and PZS_E_ARGUMENT for
- * tables of other sizes.
+ * without their components along the free functions, shapes that may be added to the target at no
+ * cost. Tables: pzs_free_functions. Work of a tick, in multiply-adds of the supervisor: at most 2 *
+ * PZS_FREE_SHAPES * count * outputs. Errors of its initialisation: PZS_E_FORMAT, PZS_E_CRC,
+ * PZS_E_NONFINITE, and PZS_E_ARGUMENT for tables of other sizes.
  */
 extern const pzs_block_type pzs_free_functions_block;
-#define PZS_FREE_SHAPES 3 /* number of shapes that a tick keeps without free functions */
+/*
+ * Number of work arrays for shapes whose components along the free functions (shapes that may be
+ * added to the target at no cost) are removed.
+ */
+#define PZS_FREE_SHAPES 3
 #define PZS_FREE_FUNCTIONS_BLOCK_BYTES(outputs, count)                                             \
     PZS_ALIGNED(PZS_ALIGNED(sizeof(pzs_free_functions_state)) +                                    \
                 (PZS_FOURS(count) + PZS_FREE_SHAPES * (size_t)(outputs)) * sizeof(pzs_real))

@@ -1,5 +1,8 @@
 /* SPDX-License-Identifier: BSD-2-Clause */
-/* Gains and leaks of modes in the control loop, on standard output (print_gains.h). */
+/*
+ * Prints the modes of the control loop, each with its gain (part of the wanted change that a tick
+ * makes) and its leak (part that a tick removes) (print_gains.h).
+ */
 #include "print_gains.h"
 #include <math.h>
 #include <stdio.h>
@@ -41,7 +44,8 @@ static double noise_of(double gain, double leak)
  */
 typedef struct gains_facts {
     double growth; /* largest factor by which a tick multiplies an error in a mode (dimensionless);
-                      modes whose gain and leak are 0 do not count, because their errors stay */
+                      modes of which a tick neither makes a change (gain 0) nor removes a part (leak
+                      0) do not count, because their errors stay */
     double noise;  /* largest ratio of the noise in the coordinate of a mode to the noise of the
                       measured shape (dimensionless) */
     int staying;   /* number of modes whose gain and leak are both 0, so that the loop never changes

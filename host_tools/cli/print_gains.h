@@ -1,5 +1,8 @@
 /* SPDX-License-Identifier: BSD-2-Clause */
-/* Gains and leaks of modes in the control loop, on standard output. */
+/*
+ * Prints the modes of the control loop, each with its gain (part of the wanted change that a tick
+ * makes) and its leak (part that a tick removes).
+ */
 #ifndef PRINT_GAINS_H
 #define PRINT_GAINS_H
 

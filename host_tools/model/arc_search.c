@@ -284,8 +284,8 @@ bool arc_step(arc_search *arc_search, const double *predictor, double scale, dou
 }
 
 /*
- * Make a step along the tangent of the load path with a first change of the load factor
- * (arc_step).
+ * Make a step of the length `arc` that starts along the tangent of the load path; `change` is the
+ * change of the load factor in the first iteration (arc_step).
  */
 static bool make_step(arc_search *arc_search, double change, double arc)
 {

@@ -289,8 +289,9 @@ static void range_text(const certificate *certificate, char text[SCENE_ERROR])
 }
 
 /*
- * Append the sentences on the stability of a control loop with gains and leaks of modes, which is
- * assessed at the tick rate of the scene alone.
+ * Append the sentences on the stability of a control loop in which each mode has a gain (part of
+ * its wanted change that a tick makes) and a leak (part that a tick removes). It is assessed at the
+ * tick rate of the scene alone.
  */
 static void gains_text(const certificate *certificate, char text[CERTIFICATE_TEXT])
 {

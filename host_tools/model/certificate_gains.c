@@ -55,8 +55,8 @@ static size_t list_members(const pzs_modal_gains *gains, members *list)
 }
 
 /*
- * Return the number of coordinates of a group of voltages; 0 for gain 0 and leak 0, with which
- * voltages never change, and 0 for an empty group.
+ * Return the number of coordinates of a group of voltages that have the same gain and leak; 0 for
+ * gain 0 and leak 0, with which voltages never change, and 0 for an empty group.
  */
 static size_t size_of(const members *group, const pzs_modal_gains *gains, size_t modes,
                       size_t moving)
@@ -83,8 +83,9 @@ static double shape_of(const pzs_modal_gains *gains, const certificate_answers *
 }
 
 /*
- * Return the component, along mode number `mode` of the gains, of the voltages that a step with
- * gain 1 and leak 0 subtracts for a measured unit of a vibration mode.
+ * A control step with gain 1 and leak 0 answers a unit of a vibration mode in the readings by
+ * voltages that it subtracts. Return the component of these voltages along mode number `mode`
+ * (pattern of voltages with a gain of its own).
  */
 static double answer_of(const pzs_modal_gains *gains, const certificate_answers *answers,
                         size_t mode, size_t vibration)

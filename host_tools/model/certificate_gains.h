@@ -38,8 +38,8 @@ typedef struct certificate_groups {
 } certificate_groups;
 
 /*
- * Model of the control loop for gain 1 and leak 0 of all voltages. Amplifiers that are held at one
- * voltage are left out.
+ * Model of the control loop in which each step goes all the way to the least-squares voltages (gain
+ * 1 and leak 0 of all voltages). Amplifiers that are held at one voltage are left out.
  */
 typedef struct certificate_answers {
     size_t modes, moving; /* number of vibration modes, and number of amplifiers that are not held
@@ -53,7 +53,8 @@ typedef struct certificate_answers {
 } certificate_answers;
 
 /*
- * Divide the voltages of the loop into groups of equal gain and leak. Returns whether memory
+ * Divide the voltages of the loop into groups of equal gain (part of the wanted change that a tick
+ * makes) and equal leak (part of the voltages that a tick removes). Returns whether memory
  * sufficed; certificate_groups_free releases the groups in either case.
  */
 bool certificate_groups_make(certificate_groups *groups, const pzs_modal_gains *gains,
@@ -65,7 +66,8 @@ size_t certificate_groups_order(const pzs_modal_gains *gains, size_t modes, size
                                 const certificate_conditions *conditions);
 
 /*
- * Test the stability of a loop with gains and leaks. certificate_groups_radius returns its spectral
+ * Test the stability of a loop whose voltages have gains (parts of the wanted change that a tick
+ * makes) and leaks (parts that a tick removes). certificate_groups_radius returns its spectral
  * radius, NAN where memory runs out; certificate_groups_decay returns whether the radius is below
  * 1.
  *   square  [modes]     in  squares of the vibration modes' angular frequencies (rad^2/s^2)

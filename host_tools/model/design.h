@@ -67,8 +67,10 @@ typedef struct design_dropped {
 } design_dropped;
 
 /*
- * Modes with their gains and leaks. They are orthonormal in the Hessian of the voltage optimisation
- * problem (least squares for the voltages) of the amplifiers that are not held at one voltage.
+ * Modes (patterns of voltages) with their gains, the parts of their wanted change that a control
+ * tick makes, and leaks, the parts of their coordinates that a tick removes. They are orthonormal
+ * in the Hessian of the voltage optimisation problem (least squares for the voltages) of the
+ * amplifiers that are not held at one voltage.
  */
 typedef struct modal_gains {
     bool is_used;
@@ -144,7 +146,9 @@ typedef struct design {
     pzs_problem problem;
     pzs_actuator_curves curves; /* tables of the curves of actuators that are not linear, filled by
                                    design_control; all zero if the scene has none */
-    modal_gains gains; /* gains and leaks of modes in the control loop, filled by design_control */
+    modal_gains gains; /* modes of the control loop: part of its wanted change that a tick makes
+                          (gain), and part that a tick removes (leak), for each mode; filled by
+                          design_control */
     design_rows rows;  /* limit rows of the voltage optimisation problem (limits of weighted sums of
                           voltages); empty if the scene has none */
 

@@ -182,8 +182,9 @@ static void separate_basis(design *design, int j)
 }
 
 /*
- * Compute orthonormal free functions of the target at the target rows whose weight is not 0, for
- * the supervisor of the control loop, which compares shapes without weights.
+ * Make the free functions of the target (shapes that may be added to it at no cost) orthonormal
+ * over the target rows whose weight is not 0. The supervisor of the control loop needs these
+ * functions, because it compares shapes without weights.
  */
 static void fill_basis(design *design)
 {

@@ -18,7 +18,7 @@
 #include "eigen.h"
 
 enum {
-    SWEEPS = 40,     /* most sweeps of the eigenvalue solver */
+    SWEEPS = 40,     /* largest number of sweeps of the eigenvalue solver over the matrix */
     SQUARINGS = 40,  /* number of squarings from which a growth factor is computed */
     BISECTIONS = 50, /* number of halvings of an interval of gains */
     MOST_DELAY = 64  /* largest delay for which a growth factor is computed (ticks) */
@@ -230,7 +230,10 @@ static double orthonormalise(builder *builder, size_t mode)
     return before > 0 ? after / before : 0;
 }
 
-/* Make a mode from a function of the scene. Returns 0, or -1 with error filled. */
+/*
+ * Make a mode, a pattern of voltages, whose shape comes as close as possible to a function that the
+ * scene file gives. Returns 0, or -1 with error filled.
+ */
 static int make_function(builder *builder, size_t mode, char *error)
 {
     const scene_mode *from = &builder->scene->function[mode];
@@ -429,7 +432,10 @@ static bool is_stable(double gain, double leak, int delay)
     return (!(gain > 0) && !(leak > 0)) || modal_gains_growth(gain, leak, delay) < 1;
 }
 
-/* Return the largest gain with which a mode of a given leak is stable, by bisection. */
+/*
+ * Return, by bisection, the largest gain (part of the wanted change that a tick makes) with which a
+ * mode is stable if each tick removes the part `leak` of its coordinate.
+ */
 static double largest_gain(double leak, int delay)
 {
     double low = 0, high = 2;

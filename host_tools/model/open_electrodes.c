@@ -60,7 +60,10 @@ static double capacitance(const open_electrodes *open, size_t i, size_t j)
     return open->charge[i * open->inputs + open->input[j]];
 }
 
-/* Factor the capacitances. Returns 0, or -1 with error filled. */
+/*
+ * Factor the matrix of the capacitances between open electrodes while the shell cannot deform.
+ * Returns 0, or -1 with error filled.
+ */
 static int factor_held(open_electrodes *open, char *error)
 {
     for (uint32_t i = 0; i < open->count; i++)

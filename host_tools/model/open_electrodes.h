@@ -58,12 +58,16 @@ void open_electrodes_free(open_electrodes *open);
 int open_electrodes_factor(open_electrodes *open, const pzs_envelope *factor, const double *scale);
 
 /*
- * Correct solutions of linear systems with K to solutions with open electrodes.
+ * Turn solutions of linear systems for prescribed voltages (stiffness K) into solutions of the same
+ * systems with open electrodes, whose voltages follow the displacement.
  *   vector [count][free_dof] in/out  solutions
  */
 void open_electrodes_correct(const open_electrodes *open, double *vector, size_t count);
 
-/* Twice the electric energy u'B C^-1 B'u of a displacement vector u [free_dof]. */
+/*
+ * Return twice the electric energy u'B C^-1 B'u that a displacement vector u [free_dof] stores in
+ * open electrodes: B holds the forces per volt on each of them, C their capacitances.
+ */
 double open_electrodes_energy(const open_electrodes *open, const double *displacement);
 
 /*

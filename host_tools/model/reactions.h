@@ -17,7 +17,7 @@ typedef struct total_force {
     double moment[3]; /* components of the resultant moment about x, y and z (N m) */
 } total_force;
 
-/* Reaction of the supports of one name. */
+/* Force and moment by which all supports of the same name hold the shell. */
 typedef struct support_reaction {
     const char *name;
     int nodes; /* number of nodes at which the supports of one name hold or prescribe a dof */

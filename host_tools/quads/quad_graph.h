@@ -21,7 +21,10 @@ typedef struct quad_graph {
                             each neighbour of a node occurs once */
 } quad_graph;
 
-/* Fill the graph of a mesh. Returns 0, or -1 when memory runs out. */
+/*
+ * Fill the graph of a mesh, which lists the neighbours of each node: the nodes that share an
+ * element with it. Returns 0, or -1 when memory runs out.
+ */
 int quad_graph_make(quad_graph *graph, const quad_mesh *mesh);
 
 void quad_graph_free(quad_graph *graph);

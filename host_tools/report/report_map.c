@@ -72,7 +72,10 @@ void shell_find_plans(shell *map)
     }
 }
 
-/* Space for the text of a voltage in a picture in pixels, with a margin of half of MARGIN. */
+/*
+ * Rectangle of a picture (centre, width and height in pixels) in which the number of a voltage is
+ * written. The text is at most as wide as the rectangle less MARGIN.
+ */
 enum { MARGIN = 6 };
 typedef struct text_room {
     double middle[2], width, height;
@@ -293,7 +296,8 @@ typedef struct drawn {
     const draw_scale *scale;
     const char *name, *unit; /* name of the amplifier, and unit of its value */
     double value;            /* voltage of the amplifier (V), or temperature of its heaters (K) */
-    const char *colour;      /* style class; "none" if the value has another unit than the scale */
+    const char *colour;  /* style class that colours the amplifier by its value; "none" if the value
+                            has another unit than the colour scale */
     const char *outline; /* style class: "limit" at a limit, "beyond" beyond one, else "patch" */
     const char *words;   /* remark in the title on a voltage at or beyond a limit, else empty */
     bool is_marked;      /* whether the voltage is at or beyond one of its limits */

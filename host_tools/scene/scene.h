@@ -158,8 +158,8 @@ typedef struct scene_line { /* Mesh lines along which one surface coordinate, th
  * projection on each element is axis 1 of a layer with angle 0.
  */
 typedef struct scene_ply_direction {
-    bool given; /* true: the scene gives the direction; false: the direction is that from corner 1
-                   to corner 2 of each element */
+    bool given; /* true: the scene gives the direction from which the angles of layers are measured;
+                   false: this direction is that from corner 1 to corner 2 of each element */
     expr *formula[3];     /* components of the direction as functions of the position; NULL: the
                              direction follows a set of edges */
     char set[SCENE_NAME]; /* name of the set of edges whose direction the elements near them have;
@@ -988,8 +988,9 @@ typedef struct scene_dynamics {
 } scene_dynamics;
 
 /*
- * Gains and leaks of modes (shapes of the structure) in the control loop: section
- * control.modal_gains.
+ * Section control.modal_gains of a scene: modes (shapes of the structure) with a gain, the part of
+ * the wanted change that a control tick makes, and a leak, the part of a mode's coordinate that a
+ * tick removes.
  */
 typedef struct scene_modal_gains {
     bool given;
@@ -998,9 +999,13 @@ typedef struct scene_modal_gains {
     int functions; /* number of modes that the scene gives as functions, which is 0 or `modes`. 0:
                       the modes are the singular vectors of the influence matrix with the largest
                       singular values */
-    scene_mode *function;          /* [functions] modes as functions at the target nodes */
-    double *gain, *leak;           /* [modes] gain and leak of each mode; NULL without modes */
-    double other_gain, other_leak; /* gain and leak of all voltages that belong to no mode */
+    scene_mode *function; /* [functions] modes as functions at the target nodes */
+    double *gain, *leak;  /* [modes] gain of each mode, the part of its wanted change that a control
+                             tick makes, and leak, the part of its coordinate that a tick removes;
+                             NULL without modes */
+    double other_gain, other_leak; /* gain and leak of all voltages that belong to no mode: part of
+                                      their wanted change that a control tick makes, and part of the
+                                      voltages that it removes */
     scene_at at;
 } scene_modal_gains;
 

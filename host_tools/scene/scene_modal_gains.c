@@ -174,8 +174,9 @@ static int read_values(reader *reader, int node, int modes, const range *range, 
 }
 
 /*
- * Check that a gain and a leak allow the loop to come to rest. Returns 0, or -1 after writing an
- * error message about the scene file.
+ * Check that a gain (part of the wanted change that a control tick makes) and a leak (part that a
+ * tick removes) allow the loop to come to rest. Returns 0, or -1 after writing an error message
+ * about the scene file.
  */
 static int check_sum(reader *reader, int node, const char *of, double gain, double leak)
 {

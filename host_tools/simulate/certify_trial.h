@@ -176,8 +176,9 @@ int trial_choose_fading(trial *trial, char *error);
 
 /*
  * For a loop that is not stable, find a change of the scene with which the loop is stable: without
- * the free functions of the target, or with a larger regularisation of the voltages. The results
- * are loop->is_free_cause, loop->cure and loop->cures_tried.
+ * the free functions of the target (shapes that may be added to it at no cost), or with a larger
+ * regularisation of the voltages. The results are loop->is_free_cause, loop->cure and
+ * loop->cures_tried.
  */
 void trial_find_cure(const analysis *analysis, certificate_loop *loop);
 

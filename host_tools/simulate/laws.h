@@ -20,7 +20,9 @@ typedef struct law {
                             the library casts a pointer to this struct to one to the problem */
     pzs_problem regularised; /* the same problem with the regularisation of the law added */
     unconstrained solver;    /* solver of the problem `regularised` */
-    double gain, leak;       /* gain and leak of the leaky integrator, both without unit */
+    double gain, leak; /* leaky integrator: gain, the factor of the least-squares voltages for the
+                          present error of the shape, and leak, the part of the voltages that a tick
+                          removes (dimensionless) */
     double *memory; /* one allocation that holds the arrays disturbance, required and next of this
                        struct */
     double *disturbance; /* [outputs] last known difference between the measured and the predicted

@@ -141,8 +141,8 @@ double loop_work_governor(const block_counts *of, const loop_processor *on)
 }
 
 /*
- * Upper bound of the instructions of the block with gains and leaks of modes, which only tells the
- * control step to use them.
+ * Upper bound of the instructions of the block pzs_modal_gains_block, which only tells the control
+ * step to give each mode a gain and a leak of its own.
  */
 double loop_work_modal_gains(const block_counts *of, const loop_processor *on)
 {
@@ -151,8 +151,8 @@ double loop_work_modal_gains(const block_counts *of, const loop_processor *on)
 }
 
 /*
- * Upper bound of the instructions of the block of free functions, which only tells the supervisor
- * to take them out of shapes.
+ * Upper bound of the instructions of the block of free functions (shapes that may be added to the
+ * target at no cost), which only tells the supervisor to remove them from shapes.
  */
 double loop_work_free_functions(const block_counts *of, const loop_processor *on)
 {
@@ -204,9 +204,9 @@ double loop_work_curve_inverse(const block_counts *of, const loop_processor *on)
 }
 
 /*
- * Number of instructions with which the control step uses gains and leaks of modes: three products
- * with the matrices of the modes, and one with the Hessian if voltages outside their span have a
- * leak.
+ * Number of instructions with which the control step gives each mode (pattern of voltages) a gain
+ * and a leak of its own: three products with the matrices of the modes, and one with the Hessian if
+ * voltages outside their span have a leak.
  */
 static double gains_work(const block_counts *of, const loop_processor *on)
 {
@@ -281,8 +281,8 @@ double loop_work_pulse_detector(const block_counts *of, const loop_processor *on
 }
 
 /*
- * Number of instructions with which the supervisor takes the free functions of the target out of
- * the shapes that it compares.
+ * Number of instructions with which the supervisor removes the free functions (shapes that may be
+ * added to the target at no cost) from the shapes that it compares.
  */
 static double free_functions_work(const block_counts *of, const loop_processor *on)
 {

@@ -30,12 +30,15 @@ typedef struct block_counts {
                    sparse rows; 0: it is stored as a full matrix */
     size_t gate_directions, gate_most; /* columns of the sensor gate's basis, and largest number of
                                           sensors that it leaves out of a fit */
-    bool has_gains;      /* whether the loop has gains and leaks of modes (patterns of voltages) */
+    bool has_gains; /* whether modes (patterns of voltages) have a gain and a leak of their own in
+                       the loop */
     size_t gain_modes;   /* number of modes (patterns of voltages) with gains and leaks of their own
                           */
-    bool has_other_leak; /* whether the voltages outside the span of these modes have a leak, which
-                            takes a product with the Hessian in each tick */
-    size_t free_functions; /* number of free functions of the target (shapes that cost nothing) */
+    bool has_other_leak; /* whether a tick also removes a part (leak) of the voltages outside the
+                            span of the modes, which takes a product with the Hessian in each tick
+                          */
+    size_t free_functions; /* number of free functions of the target (shapes that may be added to it
+                              at no cost) */
     size_t blocks;         /* number of blocks (stages) of a control tick */
     size_t delay, damper_delay; /* delay: age of the sensor readings that the scene file states
                                    (ticks); damper_delay: age that the stage of the tick that damps

@@ -54,7 +54,10 @@ static pzs_status check(const pzs_free_functions *tables, const pzs_problem *pro
 
 /* ---- shapes without free functions --------------------------------------- */
 
-/* Take the free functions out of a shape (pzs_loop_signals.without_free). */
+/*
+ * Remove from a shape its components along the free functions, shapes that may be added to the
+ * target at no cost (pzs_loop_signals.without_free).
+ */
 static const pzs_real *without_free(const pzs_loop_signals *signals, const pzs_real *shape,
                                     uint32_t place)
 {

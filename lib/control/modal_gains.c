@@ -20,7 +20,10 @@
 #include "../core/numbers.h"
 #include "../core/product.h"
 
-/* List the arrays that the checksum of tables of modal gains covers. Returns their number. */
+/*
+ * List the arrays that the checksum of the tables of gains and leaks of modes covers
+ * (pzs_modal_gains). Returns their number.
+ */
 static uint32_t list_parts(const pzs_modal_gains *tables, pzs_table_part part[PZS_TABLE_PARTS])
 {
     const size_t modes = tables->modes, entries = modes * tables->inputs;
@@ -57,8 +60,8 @@ pzs_status pzs_modal_gains_seal(pzs_modal_gains *tables)
 /* ---- check of the tables ----------------------------------------------- */
 
 /*
- * Whether a mode with this gain and leak comes to rest without oscillation that grows; false also
- * for numbers that are NaN.
+ * Whether a mode of which each tick makes the part `gain` of the wanted change, and removes the
+ * part `leak`, comes to rest without oscillation that grows; false also for numbers that are NaN.
  */
 static bool is_allowed(pzs_real gain, pzs_real leak)
 {
@@ -66,8 +69,9 @@ static bool is_allowed(pzs_real gain, pzs_real leak)
 }
 
 /*
- * Return the index of the first mode whose gain or leak is out of range; the number of modes if
- * this is true only of other_gain or other_leak; -1 if all are in range.
+ * Return the index of the first mode whose gain (part of the wanted change that a tick makes) or
+ * leak (part of its coordinate that a tick removes) is out of range; the number of modes if this is
+ * true only of other_gain or other_leak; -1 if all are in range.
  */
 static int32_t find_bad_gain(const pzs_modal_gains *tables)
 {
@@ -97,8 +101,8 @@ static pzs_status check(const pzs_modal_gains *tables, const pzs_problem *proble
 
 /*
  * Copy the gradient with its sign changed, and the deviation of the voltages from the reference
- * voltages. The deviation of an input whose voltage is fixed is set to 0, so that the leak does not
- * act on it.
+ * voltages. The deviation of an input whose voltage is fixed is set to 0, so that the leak (part of
+ * this deviation that a tick removes) does not act on it.
  */
 static void read_step(pzs_modal_gains_state *state, const pzs_control *control)
 {
@@ -181,7 +185,7 @@ static size_t block_bytes(const void *tables, const pzs_problem *problem)
     return PZS_MODAL_GAINS_BLOCK_BYTES(problem->inputs, gains->modes);
 }
 
-/* Set the pointers of the block of modal gains to its tables and to its arrays. */
+/* Set the pointers of the block of gains and leaks of modes to its tables and to its arrays. */
 static void place(pzs_modal_gains_state *state, const pzs_modal_gains *tables)
 {
     state->filter.filter_step = filter_step;

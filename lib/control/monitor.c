@@ -103,14 +103,19 @@ void pzs_monitor_init(pzs_monitor_state *monitor, pzs_real *memory, uint32_t out
     pzs_monitor_place(monitor, memory, outputs);
 }
 
-/* Places for shapes without the free functions of the target (pzs_loop_signals.without_free). */
+/*
+ * Numbers of the three work arrays for shapes whose components along the free functions (shapes
+ * that may be added to the target at no cost) are removed: disturbance, predicted shape and target
+ * (pzs_loop_signals.without_free).
+ */
 #define DISTURBANCE_PLACE 0u
 #define PREDICTED_PLACE 1u
 #define WANTED_PLACE 2u
 
 /*
- * Return a shape as the divergence monitor compares it: without the free functions of the target,
- * along which the structure may move without a prediction of the model.
+ * Return a shape as the divergence monitor compares it: without its components along the free
+ * functions of the target, shapes along which the structure may move without a prediction of the
+ * model.
  *   shape [outputs] in
  */
 static const pzs_real *compared(const pzs_loop_signals *signals, const pzs_real *shape,

@@ -57,8 +57,8 @@ void pzs_wide_subtract_rows(pzs_real *restrict vector, const pzs_real *restrict 
                             size_t count, size_t cols);
 
 /*
- * The functions pzs_product_dot and pzs_product_weigh with AVX2 instructions. The arguments and the
- * bits of the results are the same.
+ * Versions of pzs_product_dot and pzs_product_weigh (product.h) with AVX2 instructions. Arguments
+ * are those of the portable functions, and the results have the same bits.
  */
 pzs_real pzs_wide_dot(const pzs_real *left, const pzs_real *right, size_t count);
 pzs_real pzs_wide_weigh(pzs_real *restrict weighted_difference, const pzs_real *restrict weight,
