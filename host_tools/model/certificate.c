@@ -505,7 +505,10 @@ static void residual_text(const certificate_loop *loop, char text[CERTIFICATE_TE
  */
 static void age_text(const certificate_loop *loop, char text[CERTIFICATE_TEXT])
 {
-    /* Only `pzs check`, which searches the margins, tries readings more than one tick older. */
+    /*
+     * Only `pzs check` searches for the largest age of the readings with which the loop is stable;
+     * other commands try readings that are at most one tick older.
+     */
     const bool is_open = loop->ends_at_most || (!loop->has_margins && loop->older > 0);
     text_append(
         text, CERTIFICATE_TEXT,

@@ -48,8 +48,8 @@ typedef struct certificate_answers {
                               */
     const double *modal_response; /* [modes][moving] static coordinate of each vibration mode per
                                      volt */
-    const double *answer; /* [modes][moving] voltages (V) that a step subtracts for a measured unit
-                             of each vibration mode */
+    const double *answer; /* [modes][moving] voltages (V) that a control step subtracts if the
+                             readings show one unit of a vibration mode */
 } certificate_answers;
 
 /*

@@ -58,12 +58,14 @@ typedef struct design_rows {
  */
 typedef struct design_dropped {
     size_t entries; /* number of entries of the influence matrix that count as zero */
-    double error; /* error by the entries of the influence matrix that count as zero: largest change
-                     that they cause in the displacement of any output while all voltages are at
-                     their limits (length unit); infinite without limits */
-    int output;   /* index, from 0, of the output (row of the influence matrix) with the largest
-                     error: its displacement changes most if small entries of the matrix become zero
-                   */
+    double error;   /* error caused by small entries of the influence matrix, which count as zero:
+                       largest change of the displacement of any output while all voltages are at
+                       their limits (length unit); infinite without limits */
+    /*
+     * index, from 0, of the output (row of the influence matrix) with the largest error: its
+     * displacement changes most if small entries of the matrix become zero
+     */
+    int output;
 } design_dropped;
 
 /*

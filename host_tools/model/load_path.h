@@ -36,8 +36,11 @@ typedef struct load_path_point {
 typedef enum load_path_event_type {
     LOAD_PATH_LIMIT,       /* limit point: the load factor has a maximum or a minimum */
     LOAD_PATH_BIFURCATION, /* bifurcation point: another load path branches off */
-    LOAD_PATH_STABILITY /* the number of negative pivots changes on a path of equal load steps: at a
-                           bifurcation, or because the set of nodes in contact changes */
+    /*
+     * on a path of equal load steps, the number of negative pivots of the tangent stiffness
+     * changes: at a bifurcation, or because the set of nodes in contact changes
+     */
+    LOAD_PATH_STABILITY
 } load_path_event_type;
 
 /*

@@ -41,7 +41,7 @@ typedef struct open_electrodes {
 
 /*
  * Find the open electrodes of a circuit and factor their capacitances.
- *   about in  NULL: reference state
+ *   about in  forces of the inputs at a deformed shape; NULL: reference (undeformed) state
  * Returns 0, or -1 with error filled where an open electrode has no capacitance or memory runs out;
  * call open_electrodes_free in either case.
  */

@@ -23,7 +23,8 @@ int measure_theory(const subject *of, int k, measured *found)
 }
 
 /*
- * Measure how badly the strains of bent cross-sections converge, if they are not negligible.
+ * Measure whether the correction of the stresses for bent cross-sections converges: size of its
+ * second iteration relative to the first; 0 if the correction is negligible.
  */
 int measure_bend(const subject *of, int k, measured *found)
 {

@@ -193,7 +193,10 @@ static void find_room(electrode *electrode)
     const trace *area = &electrode->area;
     const polygon_box box = polygon_box_of((const double(*)[2])area->at, (size_t)area->count);
     const double x = (box.low[0] + box.high[0]) / 2, y = (box.low[1] + box.high[1]) / 2;
-    /* The middle itself may lie on the level of a corner of the border. */
+    /*
+     * The test whether a point lies inside the border uses a point beside the middle, because the
+     * middle itself may lie at the height of a corner of the border.
+     */
     const double beside[2] = {x + 0.01, y + 0.017};
     electrode->middle[0] = x;
     electrode->middle[1] = y;

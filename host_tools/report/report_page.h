@@ -24,8 +24,9 @@ typedef struct page {
                          target value; NAN at nodes outside the target */
     double *value;    /* [nodes] values shown in colours; for a reached shape its misfit, reached
                          minus target value, NAN outside the target */
-    double *row;      /* [targets] misfit of each target row; work memory for `value` */
-    double *curve;    /* [2][values of all outputs] points of curves over outputs */
+    double *row;   /* [targets] misfit (reached minus target value) of each target row; work memory
+                      for `value` */
+    double *curve; /* [2][values of all outputs] points of curves over outputs */
     draw_series *series; /* [outputs] curves over outputs */
     double largest;      /* largest displacement of any node in the drawn shape, not magnified */
     bool has_failed;     /* whether memory has run out while the page was written */
@@ -37,8 +38,9 @@ typedef struct page {
     shell_body body;
 
     /* of `pzs shape` */
-    const voltages *result; /* [results] voltages; the second result is that within the limits of
-                               the scene, or within the first limit of the command */
+    const voltages *result; /* [results] voltages of each result. Result 1 is the optimum within the
+                               voltage limits of the scene, or within the first limit that the
+                               command names */
     int results;
     const modes *modes;
     draw_scale voltage; /* colour scale of the inputs of all amplifiers in all results */

@@ -20,7 +20,10 @@ static int character_bytes(const unsigned char *text)
     return (bytes == 1 && *text >= 0x80) || *text > 0xf4 ? 0 : bytes;
 }
 
-/* Write text, which may come from the user, escaped for XML; is_raised: numbers raised. */
+/*
+ * Write text, which may come from the user, escaped for XML. If is_raised is true, digits and minus
+ * signs are written as superscripts.
+ */
 static void put_text(FILE *file, const char *text, bool is_raised)
 {
     static const char *const escaped[] = {['&'] = "&amp;",  ['<'] = "&lt;",   ['>'] = "&gt;",

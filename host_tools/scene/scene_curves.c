@@ -276,9 +276,8 @@ static int check_finite(const scene *scene, char *error)
 }
 
 /*
- * Make the curve of a quadratic actuator, whose effect is proportional to the square of the
- * voltage, from 0 V to the highest voltage limit of all amplifiers. Returns 0, or -1 with error
- * filled.
+ * Make the curve of an actuator whose displacement is proportional to the square of the voltage,
+ * from 0 V to the highest voltage limit of all amplifiers. Returns 0, or -1 with error filled.
  */
 static int make_square(scene *scene, char *error)
 {

@@ -52,9 +52,10 @@ static int count_alarms(const storm_rig *rig, int enough, int *count, char *erro
 }
 
 /*
- * Return the fading time of the supervisor's tolerance with which the search begins (periods): the
- * time in which the slowest vibration on all structures of the certificate falls by a factor e, or
- * the default if that time is not much longer.
+ * After a jump of the target the supervisor tolerates vibration that fades with a time constant.
+ * Return the time constant with which the search for a suitable one begins (periods): that of the
+ * slowest vibration on all structures that the stability tests simulate, or the default unless the
+ * former is much longer.
  */
 static double first_fading(const trial *trial, double usual)
 {

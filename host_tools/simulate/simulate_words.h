@@ -11,7 +11,10 @@
  */
 enum { SIMULATE_PHASE_TEXT = 160 };
 
-/* Size of the longer texts below, with the terminating zero (characters). */
+/*
+ * Size of the texts that describe the vibration, the components or the table of phases of a
+ * simulation, with the terminating zero (characters).
+ */
 enum { SIMULATE_TEXT = 8000 };
 
 /*

@@ -54,8 +54,8 @@ void pzs_dual_place(pzs_optimiser *optimiser, pzs_real *work);
 void pzs_check_active_dual(pzs_optimiser *optimiser);
 
 /*
- * Return the number of multiply-adds by which a round (sequence of iterations) of the dual active-
- * set method exceeds PZS_ROUND_WORK, the work of a round of the primal method.
+ * Return the number of multiply-adds by which a round (sequence of iterations) of the dual
+ * active-set method exceeds PZS_ROUND_WORK, the work of a round of the primal method.
  */
 uint64_t pzs_dual_round_work(const pzs_optimiser *optimiser);
 
