@@ -772,7 +772,8 @@ typedef struct pzs_free_functions_state {
     pzs_real *coordinate; /* [count] component (m) of a shape along each free function, a shape that
                              may be added to the target at no cost */
     pzs_real *shape;      /* [PZS_FREE_SHAPES][outputs] shapes (m) whose components along the free
-                             functions have been removed */
+                             functions (shapes that may be added to the target at no cost) have been
+                             removed */
 } pzs_free_functions_state;
 
 typedef struct pzs_feed_forward_state {

@@ -135,7 +135,10 @@ static void fill_readings(const builder *builder, const analysis *analysis)
     }
 }
 
-/* Largest size of a voltage, or of its effect where actuators have curves. */
+/*
+ * Largest absolute voltage of an amplifier, or, where actuators have curves, the largest absolute
+ * effect: the value to which the displacement of the actuator is proportional.
+ */
 static double largest_voltage(const design *design, int amplifier)
 {
     if (curves_are_used(design))

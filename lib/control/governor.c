@@ -127,7 +127,8 @@ static bool is_known(const pzs_governor_state *state, const pzs_real *wanted)
 /*
  * Compute the optimal voltages for the target shape, without step limits and with the inputs fixed
  * that the control loop keeps fixed. The voltage limits are those of the tables: where hysteresis
- * is compensated, those in the loop's controller have been replaced by limits of effects.
+ * is compensated, those in the loop's controller have been replaced by limits of the equivalent
+ * voltages, which would cause the same strain without hysteresis.
  */
 static void find_optimum(pzs_governor_state *state, const pzs_real *wanted)
 {
