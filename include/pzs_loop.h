@@ -772,8 +772,8 @@ typedef struct pzs_supervision {
     uint16_t alarm_ticks;
     /*
      * with a vibration damper: alarm threshold of the same counter for a structure that moves
-     * against its prediction, as with reversed amplifiers, which raises the counter by 1 to 4 in a
-     * tick; a period of the first vibration mode (ticks), at least 1
+     * against its prediction, as with reversed amplifiers; a period of the first vibration mode
+     * (ticks), at least 1
      */
     uint16_t polarity_ticks;
     uint16_t waits;       /* 1: the loop begins to control the voltages only after the command

@@ -79,7 +79,7 @@ static void draw_lines(const page *page, int along)
         page->series[k] = curve_of(page, k, along, point);
         point += 2 * page->series[k].count;
     }
-    draw_diagram diagram = {.x = {line->point[0], line->point[line->elements]},
+    draw_diagram diagram = {.x = {.from = line->point[0], .to = line->point[line->elements]},
                             .series = page->series,
                             .count = page->design->outputs};
     if (page_diagram(page, &diagram,

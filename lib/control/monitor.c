@@ -396,26 +396,25 @@ static bool keeps_vibrating(pzs_monitor_state *monitor, const pzs_supervision *t
 }
 
 /*
- * Return how strongly a structure moves against its prediction, as the polarity monitor sees it:
- * from 0, not at all, to 4. At the second
+ * Whether a structure moves against its prediction, as the polarity monitor sees it. At the second
  * tick of a loop the motion from the predicted shape to the target is judged like that after a jump
  * of the target, because the first target has no earlier one.
  *   has_jumped in  whether the target has jumped in this tick
  */
-static uint32_t moves_against(pzs_monitor_state *monitor, const pzs_supervision *tables,
-                              const pzs_loop_signals *signals, bool has_jumped)
+static bool moves_against(pzs_monitor_state *monitor, const pzs_supervision *tables,
+                          const pzs_loop_signals *signals, bool has_jumped)
 {
     const uint32_t outputs = signals->control->state.problem->outputs;
     const pzs_real *predicted = signals->control->info.predicted;
     const bool is_first = monitor->is_first;
     monitor->is_first = false;
     if (has_jumped || (signals->is_repeated && !is_first))
-        return 0;
+        return false;
     if (!is_first)
-        return pzs_polarity_judge(&monitor->polarity, predicted, signals->measured, outputs);
+        return pzs_polarity_is_opposed(&monitor->polarity, predicted, signals->measured, outputs);
     pzs_polarity_begin(&monitor->polarity, tables, compared(signals, signals->wanted, WANTED_PLACE),
                        compared(signals, predicted, PREDICTED_PLACE), outputs, 0);
-    return 0;
+    return false;
 }
 
 /* Judge one tick of a loop with a vibration damper. Returns the number of implausible ticks. */
@@ -423,10 +422,9 @@ static uint32_t judge_modes(pzs_monitor_state *monitor, const pzs_supervision *t
                             const pzs_loop_signals *signals, uint32_t over)
 {
     const bool has_jumped = follow_modes(monitor, tables, signals);
-    const uint32_t strength = moves_against(monitor, tables, signals, has_jumped);
-    monitor->is_opposed = strength > 0;
+    monitor->is_opposed = moves_against(monitor, tables, signals, has_jumped);
     monitor->is_stuck = pzs_stuck_judge(&monitor->stuck, tables, signals, has_jumped);
-    const uint32_t next = strength > 0 ? over + strength : lowered(over);
+    const uint32_t next = monitor->is_opposed ? over + 1u : lowered(over);
     const bool is_lost = keeps_vibrating(monitor, tables) || next > tables->polarity_ticks;
     return is_lost ? tables->alarm_ticks + 1u : next;
 }

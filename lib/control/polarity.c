@@ -45,11 +45,6 @@
 #define LONG_WAY 2
 #define LEAST_ANSWER PZS_R(0.1)
 /*
- * Strongest opposition of a motion to its prediction that a single tick counts. Structures that
- * merely differ from their model oppose it weakly, where they do so at all.
- */
-#define STRONGEST 4
-/*
  * The polarity monitor judges the motion for this number of periods of the first vibration mode
  * after a jump of the target (a period has alarm_ticks ticks). Later, slow loads such as heat may
  * have moved the structure further than the smallest motion that is judged.
@@ -82,34 +77,20 @@ void pzs_polarity_begin(pzs_polarity_state *polarity, const pzs_supervision *tab
     polarity->remaining = polarity->first;
 }
 
-/*
- * Return how strongly a motion opposes its prediction, from 1 to STRONGEST: the square of its size,
- * in units of the smallest motion that is judged, without the fraction.
- *   ratio in  size of the motion in this unit, at least 1
- */
-static uint32_t strength_of(pzs_real ratio)
-{
-    const pzs_real square = ratio * ratio;
-    return square < STRONGEST ? (uint32_t)square : STRONGEST;
-}
-
-uint32_t pzs_polarity_judge(pzs_polarity_state *polarity, const pzs_real *predicted,
-                            const pzs_real *measured, uint32_t outputs)
+bool pzs_polarity_is_opposed(pzs_polarity_state *polarity, const pzs_real *predicted,
+                             const pzs_real *measured, uint32_t outputs)
 {
     const uint32_t age = polarity->first - polarity->remaining, which = age % 2u;
     const pzs_real *now = polarity->now, *before = polarity->before;
     if (polarity->remaining == 0)
-        return 0;
+        return false;
     polarity->remaining--;
     polarity->now[which] =
         pzs_product_dot(polarity->direction, which == 0 ? predicted : measured, outputs);
     if (age < 2)
         polarity->before[which] = now[which];
     const pzs_real predicted_way = now[0] - before[0], measured_way = now[1] - before[1];
-    const pzs_real least = polarity->least;
-    if (predicted_way > least && measured_way < -least)
-        return strength_of(-measured_way / least);
-    const bool is_idle =
-        predicted_way > polarity->most_idle && measured_way < LEAST_ANSWER * predicted_way;
-    return is_idle ? 1 : 0;
+    const bool moves_back = predicted_way > polarity->least && measured_way < -polarity->least;
+    return moves_back ||
+           (predicted_way > polarity->most_idle && measured_way < LEAST_ANSWER * predicted_way);
 }

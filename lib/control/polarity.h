@@ -25,15 +25,13 @@ void pzs_polarity_begin(pzs_polarity_state *polarity, const pzs_supervision *tab
                         pzs_real shaken);
 
 /*
- * Return how strongly the structure has moved against its prediction since the last jump of the
- * target: 0 for not at all, 1 if its motion is just large enough to be judged, and up to 4, with
- * the square of the motion, if it has moved further. 1 also stands for no motion at all. Call
- * this once a tick; the first two calls after a jump note the shapes with which later ones are
- * compared.
+ * Whether the structure has moved against its prediction since the last jump of the target, or not
+ * at all. Call this once a tick; the first two calls after a jump note the shapes with which later
+ * ones are compared.
  *   predicted [outputs] in  predicted shape (m)
  *   measured  [outputs] in  measured shape without vibration (m)
  */
-uint32_t pzs_polarity_judge(pzs_polarity_state *polarity, const pzs_real *predicted,
-                            const pzs_real *measured, uint32_t outputs);
+bool pzs_polarity_is_opposed(pzs_polarity_state *polarity, const pzs_real *predicted,
+                             const pzs_real *measured, uint32_t outputs);
 
 #endif

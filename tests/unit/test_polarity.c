@@ -62,12 +62,12 @@ static bool is_stopped(const damped_loop *d)
 }
 
 /*
- * Latest tick of the alarm for amplifiers of the wrong polarity: 2.5 periods of the first mode, 168
+ * Latest tick of the alarm for amplifiers of the wrong polarity: 3 periods of the first mode, 201
  * ticks on the plate of the demonstration scene.
  */
 static int latest_alarm(const damped_loop *d)
 {
-    return 5 * d->supervision.polarity_ticks / 2;
+    return 3 * d->supervision.polarity_ticks;
 }
 
 /*
@@ -95,7 +95,7 @@ static int ticks_to_alarm(damped_loop *d, plant_error error)
 
 /*
  * Law: with all amplifiers of the wrong polarity, 0, 10 and 30 % hysteresis, and gains of 0.8 to
- * 1.33, the alarm comes within 2.5 periods of the first mode, however slowly the supervisor judges
+ * 1.33, the alarm comes within 3 periods of the first mode, however slowly the supervisor judges
  * vibration.
  */
 static void wrong_polarity_is_found(void **state)
