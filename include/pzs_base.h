@@ -123,9 +123,10 @@ typedef enum pzs_status {
     PZS_W_SELFTEST, /* Warning: the self-test moves one amplifier after the other; the loop does not
                        yet control the voltages. */
     /*
-     * Warning where sums of voltages are limited: input info.where is not yet at the voltage fixed
-     * by pzs_hold, or the start voltages exceed a limit (info.where is -1). All voltages go to the
-     * safe voltages of pzs_limit_rows in several ticks; they stay if the limits forbid this.
+     * Warning of a controller that also limits sums of voltages, in two cases. pzs_hold has fixed
+     * input info.where at a voltage that it has not reached yet; or the start voltages exceed a
+     * limit, and info.where is -1. In both cases the ticks move all voltages towards the safe
+     * voltages of pzs_limit_rows, or keep the present voltages where the limits forbid such moves.
      */
     PZS_W_LIMIT_ROWS,
     PZS_W_UNOBSERVABLE, /* Warning: the records of a calibration do not determine the effect of

@@ -491,8 +491,9 @@ typedef struct pzs_sensor_gate {
                                computed by pzs_sensor_gate_seal */
     uint16_t sensors;       /* number of readings */
     uint16_t directions;    /* number of columns of the basis, below that of the sensors */
-    uint16_t most;          /* largest number of sensors that are gated or missing at once; with
-                               more, the sensor gate finds no new contradictions */
+    uint16_t most;          /* largest number of sensors that are gated (found wrong) or missing
+                               at once; if more are missing, the sensor gate compares no
+                               readings */
     uint16_t patience;      /* number of ticks in which a gated sensor must agree with the others
                                until it is trusted again, from 1 */
     uint16_t replaces; /* 1: the fit to the other readings replaces gated and missing ones, where
@@ -581,9 +582,9 @@ typedef struct pzs_modal_gains {
     pzs_real other_gain; /* gain of all voltages outside the span of the modes: part of their wanted
                             change that a tick makes, at least 0; other_gain plus other_leak must be
                             below 2 */
-    pzs_real other_leak; /* leak of all voltages outside the span of the modes: part of them that a
-                            tick removes, from 0 to 1; if it is above 0, a tick takes (inputs)^2
-                            more multiply-adds */
+    pzs_real other_leak; /* leak of the patterns of voltages that are no combination of the modes:
+                            part of such a pattern that a tick removes, from 0 to 1; if it is above
+                            0, a tick takes (inputs)^2 more multiply-adds */
 } pzs_modal_gains;
 
 /*

@@ -8,9 +8,10 @@
 #include "warp.h"
 
 /*
- * Largest relative difference between two element types that count as equal. The limit is
- * `computed` where this program computed the node positions and rounded their last digits, and
- * `in_file` where the positions were read from a mesh file.
+ * Largest relative difference between the matrices of two elements that count as equal, so that
+ * both elements share them in the tables (element type). The limit is `computed` where this program
+ * computed the node positions and rounded their last digits, and `in_file` where the positions were
+ * read from a mesh file.
  */
 static const double computed = 1e-12, in_file = 1e-9;
 

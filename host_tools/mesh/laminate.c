@@ -445,8 +445,9 @@ static int relax_e33(double stiffness[N][N])
 }
 
 /*
- * Stiffnesses and compliances of the plies of an element, integrated over the thickness, for its
- * stiffness with and without free thickening. A ply that covers only a part of the element counts
+ * Stiffnesses and compliances of the plies of an element, integrated over the thickness. From them
+ * follow the stiffness of the element with its thickness kept, and that with the normal stress 33
+ * at 0, so that the thickness changes freely. A ply that covers only a part of the element counts
  * by this part of the area (smeared_plies.h).
  */
 typedef struct ply_integrals {

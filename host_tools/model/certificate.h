@@ -153,8 +153,9 @@ typedef struct certificate_loop {
                                   target.free) are left out */
     double cure; /* regularisation of the voltages with which an unstable loop passes all stability
                     tests, relative to the mean diagonal entry of the Hessian; 0: none was found */
-    double cures_tried; /* largest regularisation of the voltages with which an unstable loop was
-                           tested, relative to the mean diagonal entry of the Hessian; 0: none */
+    double cures_tried; /* if the loop is unstable: largest regularisation of the voltages that was
+                           tried in order to make it stable, relative to the mean diagonal entry of
+                           the Hessian; 0: none */
     bool has_margins;
     double margin_gain; /* largest static response of the structure to voltages, relative to the
                            controller's model, with which the control loop is stable */

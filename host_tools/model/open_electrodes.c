@@ -39,7 +39,9 @@ static bool allocate(open_electrodes *open)
            make_dense(&open->moving, open->count, open->memory + 2);
 }
 
-/* Take over the charges of the open electrodes per unit of each input. */
+/*
+ * Copy the charges of the open electrodes per unit of each input from the tables of all electrodes.
+ */
 static void take_charges(open_electrodes *open, const pzs_electrodes *tables)
 {
     const pzs_rows *direct = &tables->direct;

@@ -642,9 +642,9 @@ typedef struct scene_compare {
  */
 typedef struct scene_limit {
     int first, count;
-    bool is_tied; /* The amplifier may drive several actuators together. true: the limits are those
-                     of one of these actuators; the narrowest limits of all of them apply to the
-                     amplifier */
+    bool is_tied; /* whether this entry limits a single one of several actuators that one amplifier
+                     drives together; the narrowest limits of these actuators then apply to the
+                     amplifier. false: the entry limits amplifiers */
     int tied; /* index of the actuator to which these limits belong, in the file of the influence
                  matrix; used if is_tied is true */
     bool has_voltage;    /* whether the amplifiers from `first` on, `count` in number, have voltage

@@ -128,8 +128,8 @@ static void close_migration(migration *migration)
 /* ---- places in the text ----------------------------------------------- */
 
 /*
- * Return the offset, in the text of the scene file, of the byte at which a line starts, after a
- * byte order mark; lines are counted from 1.
+ * Return the offset of the byte at which a line starts, from the start of the text of the scene
+ * file. A byte order mark is counted in the offset, but does not belong to line 1, the first line.
  */
 static size_t line_start(const migration *migration, int line)
 {

@@ -55,8 +55,8 @@ typedef struct builder {
     double *harm;  /* [sensors] motion of the shape by a weighted error of 1, in units of `unit` */
     double *made;  /* [sensors][columns] weighted readings that each cause can make at most */
     double *left;  /* [sensors][columns] part of `made` outside the basis */
-    double *basis; /* [sensors][sensors] columns of the basis, in the order in which they are
-                      taken */
+    double *basis; /* [sensors][sensors] orthonormal basis of the readings that voltages,
+                      modes and loads can make, by columns: the strongest first */
     double *square, *vector; /* [sensors][sensors] work arrays of the eigenvalue problem */
     double *span;    /* [outputs][amplifiers] orthonormal weighted shapes that voltages can make */
     double *shape;   /* [outputs] work vector */
@@ -420,7 +420,8 @@ static void remove_direction(builder *builder, size_t direction)
 /* What a number of basis columns can find. */
 typedef struct sight {
     size_t directions;
-    bool is_whole; /* whether the basis spans all that voltages, modes and loads can make */
+    bool is_whole; /* whether the basis of the sensor gate spans all readings that voltages, modes
+                      and loads can make */
     int judged;
     double certain, moved;
 } sight;

@@ -77,10 +77,11 @@ pzs_real pzs_rows_subtract(const rows_run *run, pzs_real *gradient);
 
 /*
  * Return the largest violation of the optimality (KKT) conditions (m2/V) by the present voltages,
- * limited sums and multipliers; a voltage in a sum of absolute values keeps its sign.
+ * limited sums of voltages and multipliers. Where a sum of absolute values is limited, the
+ * conditions are those of voltages that keep their signs.
  *   reduced [inputs] in  gradient minus the contributions of the active limits of sums (m2/V)
- * Stores in solver->gap the duality gap, an upper bound of how much half the objective can still
- * decrease (m2).
+ * Stores in solver->gap the duality gap (m2). Half of the objective exceeds its optimum by at most
+ * this gap.
  */
 pzs_real pzs_rows_violation(const rows_run *run, const pzs_real *reduced);
 

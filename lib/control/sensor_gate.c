@@ -255,7 +255,10 @@ static int32_t find_suspect(const pzs_sensor_gate_state *gate, exclusions *exclu
     return suspect;
 }
 
-/* Whether the error that a single wrong sensor would need reaches its threshold. */
+/*
+ * Whether a sensor may be the only wrong one: the error of its reading that would explain the
+ * contradictions between the readings reaches the threshold of this sensor in the tables.
+ */
 static bool is_suspect(const pzs_sensor_gate_state *gate, int32_t suspect)
 {
     return suspect >= 0 && number_absolute(gate->residual[suspect]) >=

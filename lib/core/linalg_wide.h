@@ -33,6 +33,8 @@ bool pzs_linalg_has_wide(void);
  * Step of the factorisation A = L D L^T with W = L D, for the PZS_TILE columns j of a strip and the
  * rows i of two panels (PZS_TILE rows each, stored column by column):
  *   W_ij = A_ij - sum over k < j of W_ik L_jk
+ * The sum runs over the columns k of the strip before j, and over the strip[].count columns before
+ * the strip, which also precede it in memory.
  *   strip [2]                  in/out  the strip in both panels
  *   lower [PZS_TILE][PZS_TILE] in      entries L_jk of the columns k of the strip, in the panel of
  *                                      the rows j; directly before them in memory: L_jk of earlier

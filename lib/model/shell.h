@@ -73,8 +73,9 @@ typedef struct shell_corner {
 #if PZS_NONLINEAR
 /*
  * Number of stress resultants of an element: ten in strain mode 00, five in 01, five in 10 and two
- * in 11. A resultant of mode ab, which varies over the element as xi1^a xi2^b, is the stress times
- * area/3^(a+b) (N m); xi1 and xi2 are the element coordinates.
+ * in 11. A resultant belongs to a stress, integrated over the thickness (N/m), that varies over
+ * the element as xi1^a xi2^b in mode ab, with the element coordinates xi1 and xi2. It is the factor
+ * of this variation times area/3^(a+b) (N m).
  */
 enum { SHELL_RESULTANTS = 22 };
 
@@ -159,7 +160,8 @@ void pzs_shell_skewed_resultants(const pzs_element_type *type, pzs_real strain[4
 /*
  * Internal nodal force of the stresses at the four corners of a deformed element.
  *   shape  [4]              in   deformed base vectors at the corners
- *   stress [4][10]          in   stresses at each corner, as pzs_shell_stresses returns them (N m)
+ *   stress [4][10]          in   ten stress resultants at each corner times a quarter of the area
+ *                                of the element (N m), from pzs_shell_stresses
  *   force  [4 dof_per_node] out  internal force (N and N m)
  */
 void pzs_shell_corner_force(const pzs_element_type *type, unsigned dof_per_node,

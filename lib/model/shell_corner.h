@@ -30,8 +30,8 @@ static const pzs_real mode_sign[4][4] = {
 
 /*
  * Number (kept_strains) and list (kept_strain) of the strains that the element takes into account
- * in each of its strain modes: 00 (constant over the element), 01 and 10 (linear), 11 (bilinear). M
- * and D are mean and difference of the two faces.
+ * in each of its strain modes: 00 (constant over the element), 01 and 10 (linear), 11 (bilinear).
+ * E11M, for example, is the mean of strain 11 of the two faces, and E11D its difference.
  */
 static const uint8_t kept_strains[4] = {10, 5, 5, 2};
 static const uint8_t kept_strain[4][10] = {
