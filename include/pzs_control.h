@@ -123,10 +123,12 @@ pzs_status pzs_problem_seal(pzs_problem *problem);
 
 /*
  * Smallest useful work limit of the optimiser (number of multiply-adds that it may use in a tick):
- * with this limit, the optimiser makes at least one iteration in each tick.
+ * with this limit, the optimiser makes at least one iteration in each tick, also in a tick whose
+ * first round ends because limits have moved past voltages.
  */
 #define PZS_WORK_LEAST(inputs)                                                                     \
-    (((size_t)(inputs) < PZS_DUAL_INPUTS ? 4u : 14u) * PZS_PRODUCT_WORK(inputs) +                  \
+    (((size_t)(inputs) < PZS_DUAL_INPUTS ? 2u * PZS_PRODUCT_WORK(inputs) + PZS_ROUND_WORK(inputs)  \
+                                         : 14u * PZS_PRODUCT_WORK(inputs)) +                       \
      PZS_ROUND_WORK(inputs) + PZS_ITERATION_WORK(inputs))
 
 /*

@@ -370,7 +370,7 @@ typedef struct pzs_control_state {
      */
     pzs_real *weighted;
     uint8_t *repeats; /* [outputs] number of ticks in which a measurement stayed constant although
-                         its output should have moved */
+                         its output should have moved, plus 128 while it is missing */
     uint8_t *faulty;  /* [inputs] 1: the fault detector keeps the voltage of the input constant
                          because the shape did not respond to it; otherwise 0 */
     const pzs_real *damping; /* [inputs] damping gradient (m2/V); NULL: no damping. It is subtracted
@@ -620,7 +620,7 @@ typedef struct pzs_estimate_state {
     pzs_real *difference; /* [sensors] reading minus the reading that the model expects (unit of
                              each sensor) */
     uint8_t *repeats; /* [sensors] number of ticks in which a reading stayed constant although it
-                         should have moved */
+                         should have moved, plus 128 while it is missing */
     uint8_t stage;
 } pzs_estimate_state;
 
@@ -658,7 +658,7 @@ typedef struct pzs_damper_state {
     pzs_real *carry;  /* [inputs] parts of earlier voltage changes that the amplifiers have not yet
                          made (V) */
     uint8_t *repeats; /* [sensors] number of ticks in which a reading stayed constant although it
-                         should have moved */
+                         should have moved, plus 128 while it is missing */
     uint16_t newest; /* index of the row for the present voltages in two ring buffers with a row for
                         each tick: `equilibrium` (static positions of the vibration modes) and
                         `expected` (static readings of the sensors) */
@@ -697,7 +697,7 @@ typedef struct pzs_reading_delay_state {
     pzs_real *corrected;  /* [sensors] corrected readings: late readings plus the changes that the
                              model predicts since they were taken (unit of each sensor) */
     uint8_t *repeats; /* [sensors] number of ticks in which a reading stayed constant although it
-                         should have moved */
+                         should have moved, plus 128 while it is missing */
     uint16_t newest;  /* index of the row for the present tick in two ring buffers with a row for
                          each tick: `voltage` (voltages) and `expected` (readings that the model
                          predicts) */

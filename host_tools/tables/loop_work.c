@@ -63,7 +63,7 @@ double loop_work_rest(const block_counts *of, const loop_processor *on)
 {
     const double blocks = 150 * (double)of->blocks;
     const double rows = 60 * (double)of->rows + 120 * (double)of->row_entries;
-    return loops(of, on, 0, 210, 3320) + on->other * (blocks + rows);
+    return loops(of, on, 0, 210, 3350) + on->other * (blocks + rows);
 }
 
 /*
@@ -171,7 +171,7 @@ double loop_work_vibration(const block_counts *of, const loop_processor *on)
     const double weighed = of->free_functions > 0 ? on->other * 8 * (double)sensors : 0;
     return weighed + 4 * product(on, sensors, modes) + 2 * product(on, modes, of->inputs) +
            4 * product(on, modes, modes) + few + second_prediction(of, on) +
-           on->other * (66 * (double)sensors + 60 * (double)modes +
+           on->other * (77 * (double)sensors + 60 * (double)modes +
                         predicted * (22 * (double)modes + 80) + 600);
 }
 
@@ -295,5 +295,5 @@ static double free_functions_work(const block_counts *of, const loop_processor *
 double loop_work_supervisor(const block_counts *of, const loop_processor *on)
 {
     const double both = second_prediction(of, on) + free_functions_work(of, on);
-    return of->is_damped ? loops(of, on, 14, 45, 830) + both : loops(of, on, 45, 60, 1200) + both;
+    return of->is_damped ? loops(of, on, 14, 45, 930) + both : loops(of, on, 45, 60, 1200) + both;
 }

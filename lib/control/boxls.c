@@ -1048,7 +1048,8 @@ static bool may_make_round(pzs_optimiser *optimiser)
         complete = pzs_tableau_rebuild(optimiser);
         pzs_boxls_gradient(optimiser);
     }
-    const uint64_t work = PZS_ROUND_WORK(optimiser->inputs) + pzs_dual_round_work(optimiser);
+    const uint64_t dual = optimiser_is_dual(optimiser) ? pzs_dual_round_work(optimiser) : 0;
+    const uint64_t work = PZS_ROUND_WORK(optimiser->inputs) + dual;
     optimiser->is_cut = !complete || !optimiser_affords(optimiser, work);
     if (optimiser->is_cut)
         return false;

@@ -153,7 +153,7 @@ static void correct(pzs_reading_delay_state *state, const pzs_real *readings)
     bool is_repeated = true;
     (void)pzs_sensor_check(&all, readings, &where, &is_repeated);
     for (size_t i = 0; i < sensors; i++)
-        state->corrected[i] = sensor_is_unusable(&state->repeats[i], readings[i])
+        state->corrected[i] = sensor_is_unusable(state->repeats[i])
                                   ? (pzs_real)NAN
                                   : readings[i] + (now[i] - then[i]);
     undo_faulty(state);

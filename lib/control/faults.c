@@ -286,13 +286,13 @@ pzs_status pzs_fault_detector_init(pzs_fault_detector *detector, pzs_control *co
  * last measured shape times the squared output weights. The change is zero for an output that was
  * not measured in both shapes. Returns whether enough outputs were measured in both shapes.
  */
-static bool update_disturbance(pzs_fault_detector *detector, const pzs_real *measured)
+static bool update_disturbance(pzs_fault_detector *detector)
 {
     const pzs_control *control = detector->state.control;
     const uint32_t outputs = control->state.problem->outputs;
     uint32_t excluded = 0;
     for (uint32_t i = 0; i < outputs; i++) {
-        const bool is_missing = sensor_is_unusable(&control->state.repeats[i], measured[i]);
+        const bool is_missing = sensor_is_unusable(control->state.repeats[i]);
         const bool is_excluded = is_missing || (detector->state.missing[i] & NOT_MEASURED);
         const pzs_real change = control->state.disturbance[i] - detector->state.disturbance[i];
         detector->state.change[i] =
@@ -314,12 +314,12 @@ static bool update_disturbance(pzs_fault_detector *detector, const pzs_real *mea
  * fault detector then ignores the measured shape, and compares the next one with the last shape
  * that it used.
  */
-static bool has_too_few(const pzs_fault_detector *detector, const pzs_real *measured)
+static bool has_too_few(const pzs_fault_detector *detector)
 {
     const pzs_control *control = detector->state.control;
     uint32_t missing = 0;
     for (uint32_t i = 0; i < control->state.problem->outputs; i++)
-        missing += sensor_is_unusable(&control->state.repeats[i], measured[i]) ? 1u : 0u;
+        missing += sensor_is_unusable(control->state.repeats[i]) ? 1u : 0u;
     return MISSING_LIMIT * missing > control->state.problem->outputs;
 }
 
@@ -677,8 +677,8 @@ pzs_status pzs_fault_detector_tick(pzs_fault_detector *detector, const pzs_real 
         return PZS_E_STAGE;
     const pzs_real *voltage = oldest_voltages(detector);
     int32_t first = -1;
-    if (measured != NULL && !has_too_few(detector, measured)) {
-        if (update_disturbance(detector, measured))
+    if (measured != NULL && !has_too_few(detector)) {
+        if (update_disturbance(detector))
             first = evaluate_shape(detector, voltage);
         memcpy(detector->state.voltage_before, voltage,
                detector->state.columns.n * sizeof(pzs_real));

@@ -14,6 +14,9 @@
  */
 #define SENSOR_STUCK_TICKS 8u
 
+/* Mark of a sensor whose measurement is missing, in sensor_check.repeats. */
+#define SENSOR_MISSING 128u
+
 /*
  * The measurements of one tick, the values expected for them, and what the check for missing and
  * stuck sensors remembers of earlier ticks. All arrays have one entry for each sensor.
@@ -25,7 +28,7 @@ typedef struct sensor_check {
     pzs_real *difference; /* measured minus expected value; a rejected measurement keeps its last
                              difference (unit of each sensor) */
     uint8_t *repeats; /* for each sensor, number of ticks in which its measurement repeated although
-                         its expected value moved */
+                         its expected value moved, plus SENSOR_MISSING while it is missing */
 } sensor_check;
 
 /*
@@ -37,11 +40,13 @@ typedef struct sensor_check {
 uint32_t pzs_sensor_check(const sensor_check *sensors, const pzs_real *measured, int32_t *where,
                           bool *is_repeated);
 
-/* Return whether the last call of pzs_sensor_check rejected a measurement. */
-static inline bool sensor_is_unusable(const uint8_t *repeats, pzs_real measured)
+/*
+ * Return whether the last call of pzs_sensor_check rejected a measurement.
+ *   repeats in  entry of the sensor in sensor_check.repeats
+ */
+static inline bool sensor_is_unusable(uint8_t repeats)
 {
-    const pzs_real none = measured - measured;
-    return !(none <= 0) || *repeats >= SENSOR_STUCK_TICKS;
+    return repeats >= SENSOR_STUCK_TICKS;
 }
 
 #endif

@@ -24,6 +24,7 @@
 #include "../core/guard.h"
 #include "../core/numbers.h"
 #include "../core/product.h"
+#include "../core/unrolled.h"
 #include "sensor_check.h"
 
 #define READY 1u
@@ -280,7 +281,7 @@ static void find_residuals(pzs_damper *damper, pzs_real *rest)
  * by the low-passed innovation of earlier ticks, minus the part that the vibration modes explain.
  * Returns the number of unusable readings; *where receives the index of the first one.
  */
-static uint32_t replace_unusable(pzs_damper *damper, const pzs_real *readings, int32_t *where)
+static uint32_t replace_unusable(pzs_damper *damper, int32_t *where)
 {
     const uint32_t sensors = damper->state.tables->sensors;
     const uint8_t *repeats = damper->state.repeats;
@@ -288,8 +289,7 @@ static uint32_t replace_unusable(pzs_damper *damper, const pzs_real *readings, i
     uint32_t unusable = 0;
     find_residuals(damper, rest);
     for (uint32_t i = 0; i < sensors; i++) {
-        if (!sensor_is_unusable(&repeats[i], readings[i]) &&
-            number_absolute(innovation[i]) <= DEVIATION_LIMIT)
+        if (!sensor_is_unusable(repeats[i]) && number_absolute(innovation[i]) <= DEVIATION_LIMIT)
             continue;
         innovation[i] = rest[i];
         *where = unusable++ == 0 ? (int32_t)i : *where;
@@ -312,7 +312,7 @@ static uint32_t compare(pzs_damper *damper, const pzs_real *readings, int32_t *w
     const uint32_t rejected = pzs_sensor_check(&all, readings, where, &damper->info.is_repeated);
     const pzs_real energy = pzs_product_dot(innovation, innovation, sensors);
     const bool is_usable = rejected == 0 && energy <= DEVIATION_LIMIT * DEVIATION_LIMIT;
-    return is_usable ? 0 : replace_unusable(damper, readings, where);
+    return is_usable ? 0 : replace_unusable(damper, where);
 }
 
 /*
@@ -343,10 +343,13 @@ static pzs_real low_pass(pzs_real *restrict filtered, const pzs_real *restrict p
                          pzs_real slow, size_t count)
 {
     pzs_real energy = 0;
-    for (size_t i = 0; i < count; i++) {
-        const pzs_real fast = present[i] - filtered[i];
-        filtered[i] += slow * fast;
-        energy += fast * fast;
+    for (size_t i = 0; i < count; i += 4) {
+        UNROLLED
+        for (size_t k = i; k < i + 4; k++) {
+            const pzs_real fast = present[k] - filtered[k];
+            filtered[k] += slow * fast;
+            energy += fast * fast;
+        }
     }
     return energy;
 }
@@ -437,7 +440,13 @@ static void damp(pzs_damper *damper)
 
 static void add_vector(pzs_real *restrict sum, const pzs_real *restrict vector, size_t count)
 {
-    for (size_t i = 0; i < count; i++)
+    size_t i = 0;
+    for (; i + 4 <= count; i += 4) {
+        UNROLLED
+        for (size_t k = i; k < i + 4; k++)
+            sum[k] += vector[k];
+    }
+    for (; i < count; i++)
         sum[i] += vector[i];
 }
 

@@ -6,7 +6,8 @@
  * The plant responds more weakly than the tables say, and vibrates in the modes of the tables. In
  * the calm ticks the target moves slowly; the last hundred of them are the warm ticks. The
  * following SEARCHED ticks search for the longest tick: targets jump between the shapes of random
- * voltages, sensors fall silent, ticks are missed, and amplifiers are held and released.
+ * voltages, sensors fall silent or repeat their readings, ticks are missed, and amplifiers are held
+ * and released.
  *
  * SPDX-License-Identifier: BSD-2-Clause
  */
@@ -228,6 +229,26 @@ static void silence(void)
         readings[i] = uniform() < part ? (pzs_real)NAN : readings[i];
 }
 
+/*
+ * Let a random part of the sensors, in half of the cases all of them, repeat their readings, while
+ * one other reading is missing in every second tick.
+ *   tick in  number of the tick; the readings of every 32nd tick are those that are repeated
+ */
+static void freeze(int tick)
+{
+    static pzs_real frozen[DEMO_READINGS];
+    static bool is_frozen[DEMO_READINGS];
+    const bool is_first = tick % (EPISODE / 2) == 0;
+    const pzs_real part = is_first ? 2 * uniform() : 0;
+    for (int i = 0; i < DEMO_READINGS; i++) {
+        is_frozen[i] = is_first ? uniform() < part : is_frozen[i];
+        frozen[i] = is_first ? readings[i] : frozen[i];
+        readings[i] = is_frozen[i] ? frozen[i] : readings[i];
+    }
+    if (tick % 2 == 1)
+        readings[tick % DEMO_READINGS] = (pzs_real)NAN;
+}
+
 /* Whether the loop has a block of this type. */
 static bool has_block(const pzs_block_type *type)
 {
@@ -253,13 +274,16 @@ static void disturb(int tick)
 {
     static int hold;
     static pzs_real size;
-    static bool is_silent, is_late;
+    static bool is_silent, is_late, is_frozen;
     if (tick % EPISODE == 0) {
         hold = 1 << 2 * (int)(uniform() * 4);
         size = PZS_R(0.2) + PZS_R(1.8) * uniform();
         is_silent = uniform() < PZS_R(0.2);
         is_late = uniform() < PZS_R(0.2);
+        is_frozen = uniform() < PZS_R(0.3);
     }
+    if (is_frozen)
+        freeze(tick);
     if (tick % hold == 0)
         jump(size);
     if (has_block(&pzs_sensor_gate_block))

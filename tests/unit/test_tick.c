@@ -210,6 +210,35 @@ static void test_stuck_sensor(void **state)
     free(r.work);
 }
 
+/* Law: a sensor that was missing is taken back at once, also if it returns with the bits that it
+ * had before; and a stuck sensor is found although it is missing in every third tick. */
+static void test_returning_sensor(void **state)
+{
+    (void)state;
+    rig r;
+    int found = 0;
+    rig_open(&r);
+    assert_int_equal(rig_start(&r), PZS_OK);
+    for (int i = 0; i < 200; i++) { /* until voltages and readings stand still */
+        plant(&r, 1e-7);
+        tick(&r, r.measured, PZS_OK);
+    }
+    const pzs_real last = r.measured[4];
+    r.measured[4] = (pzs_real)NAN;
+    tick(&r, r.measured, PZS_W_SENSOR);
+    r.measured[4] = last;
+    tick(&r, r.measured, PZS_OK);
+    for (int i = 0; i < 60; i++) {
+        for (int j = 0; j < M; j++)
+            r.wanted[j] = (pzs_real)(1e-5 * ((i * 7 + j * 3) % 11 - 5));
+        plant(&r, 0);
+        r.measured[4] = i % 3 == 0 ? (pzs_real)NAN : last;
+        found += pzs_tick(&r.control, r.wanted, r.measured) == PZS_W_SENSOR && i % 3 != 0;
+    }
+    assert_true(found >= 20);
+    free(r.work);
+}
+
 /* Law: a held input goes to its voltage within the slew and stays; released, it works again. All
  * held: the loop lives. */
 static void test_held_inputs(void **state)
@@ -401,11 +430,17 @@ static void test_long_walk(void **state)
 int main(void)
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_slew_then_optimum), cmocka_unit_test(test_measured_disturbance),
-        cmocka_unit_test(test_lost_sensors),      cmocka_unit_test(test_stuck_sensor),
-        cmocka_unit_test(test_held_inputs),       cmocka_unit_test(test_misuse),
-        cmocka_unit_test(test_tick_after_step),   cmocka_unit_test(test_hold_without_senses),
-        cmocka_unit_test(test_unit_of_length),    cmocka_unit_test(test_long_walk),
+        cmocka_unit_test(test_slew_then_optimum),
+        cmocka_unit_test(test_measured_disturbance),
+        cmocka_unit_test(test_lost_sensors),
+        cmocka_unit_test(test_stuck_sensor),
+        cmocka_unit_test(test_returning_sensor),
+        cmocka_unit_test(test_held_inputs),
+        cmocka_unit_test(test_misuse),
+        cmocka_unit_test(test_tick_after_step),
+        cmocka_unit_test(test_hold_without_senses),
+        cmocka_unit_test(test_unit_of_length),
+        cmocka_unit_test(test_long_walk),
     };
     return cmocka_run_group_tests_name("tick", tests, NULL, NULL);
 }
