@@ -691,7 +691,7 @@ typedef enum pzs_supervisor_mode {
     PZS_MODE_LATCHED,  /* operating mode of the supervisor in which the voltages stay at the park
                           voltages (safe voltages of the amplifiers) after an error or an alarm,
                           until the next initialisation */
-    PZS_MODES
+    PZS_SUPERVISOR_MODES
 } pzs_supervisor_mode;
 
 /*

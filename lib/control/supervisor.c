@@ -93,13 +93,13 @@ static pzs_status check(const pzs_supervision *tables, const pzs_problem *proble
  * Entry of the supervisor's table of transitions for an event that does not change the operating
  * mode.
  */
-#define STAY PZS_MODES
+#define STAY PZS_SUPERVISOR_MODES
 
 /*
  * Transition table of the supervisor: the next operating mode for each operating mode (row) and
  * each event (column).
  */
-static const uint8_t transition[PZS_MODES][PZS_EVENTS] = {
+static const uint8_t transition[PZS_SUPERVISOR_MODES][PZS_EVENTS] = {
     [PZS_MODE_INITIALISE] = {STAY, STAY, PZS_MODE_ARMED, PZS_MODE_PARKING, STAY, PZS_MODE_STOPPING,
                              STAY, STAY, PZS_MODE_STOPPING, STAY},
     [PZS_MODE_ARMED] = {PZS_MODE_RUNNING, STAY, STAY, PZS_MODE_PARKING, STAY, PZS_MODE_STOPPING,
@@ -117,7 +117,7 @@ static const uint8_t transition[PZS_MODES][PZS_EVENTS] = {
 
 pzs_supervisor_mode pzs_supervisor_next(pzs_supervisor_mode mode, pzs_supervisor_event event)
 {
-    const bool is_known = (unsigned)mode < PZS_MODES && (unsigned)event < PZS_EVENTS;
+    const bool is_known = (unsigned)mode < PZS_SUPERVISOR_MODES && (unsigned)event < PZS_EVENTS;
     const uint8_t next = is_known ? transition[mode][event] : (uint8_t)STAY;
     return next == STAY ? mode : (pzs_supervisor_mode)next;
 }

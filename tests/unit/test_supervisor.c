@@ -313,7 +313,7 @@ static const struct {
 static void test_transitions(void **state)
 {
     (void)state;
-    for (int mode = 0; mode < PZS_MODES; mode++)
+    for (int mode = 0; mode < PZS_SUPERVISOR_MODES; mode++)
         for (int event = 0; event < PZS_EVENTS; event++) {
             int expected = mode;
             for (size_t k = 0; k < sizeof known / sizeof *known; k++)
@@ -323,7 +323,8 @@ static void test_transitions(void **state)
                 pzs_supervisor_next((pzs_supervisor_mode)mode, (pzs_supervisor_event)event),
                 expected);
         }
-    assert_int_equal(pzs_supervisor_next(PZS_MODES, PZS_EVENT_ARM), PZS_MODES);
+    assert_int_equal(pzs_supervisor_next(PZS_SUPERVISOR_MODES, PZS_EVENT_ARM),
+                     PZS_SUPERVISOR_MODES);
     assert_int_equal(pzs_supervisor_next(PZS_MODE_RUNNING, PZS_EVENTS), PZS_MODE_RUNNING);
 }
 
