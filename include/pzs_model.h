@@ -225,6 +225,8 @@ typedef struct pzs_model_state {
     const uint8_t *constrained; /* [free_dof] nonzero: this degree of freedom is kept at zero
                                    although no support does so, as demanded in the last
                                    pzs_assemble; NULL: none is */
+    const struct pzs_model_term *term; /* matrix that the factors contain in addition to the
+                                          stiffness matrix, or NULL */
     uint8_t stage;
 } pzs_model_state;
 

@@ -524,8 +524,8 @@ void pzs_model_scatter(const pzs_model *model, const uint16_t *node, unsigned co
 }
 
 /*
- * Add the product of the stiffness matrix with `vector` to `force`, both [free_dof], summed over
- * the elements from their strains, and over the springs.
+ * Add the product of the stiffness matrix, and of state.term, with `vector` to `force`, both
+ * [free_dof], summed over the elements from their strains, and over the springs.
  */
 static void add_force(const pzs_model *model, const pzs_real *vector, pzs_real *force)
 {
@@ -540,6 +540,8 @@ static void add_force(const pzs_model *model, const pzs_real *vector, pzs_real *
                           pzs_model_type_factor(model, element), element_vector, force);
     }
     pzs_model_add_spring_force(model, 1, vector, force);
+    if (model->state.term)
+        model->state.term->add_term_product(model->state.term, vector, force);
 }
 
 void pzs_model_backsolve(const pzs_model *model, const pzs_real *force, pzs_real *displacement)
@@ -679,7 +681,7 @@ static void solve_scaled(pzs_model *model, pzs_real *displacement)
     estimate_error(model, force, displacement, residual, residual + model->state.stiffness.n);
 }
 
-static pzs_status solve_force(pzs_model *model, pzs_real *displacement)
+pzs_status pzs_model_solve_force(pzs_model *model, pzs_real *displacement)
 {
     const pzs_real unit = scale_force(model, model->state.work);
     solve_scaled(model, displacement);
@@ -708,7 +710,7 @@ pzs_status pzs_solve(pzs_model *model, const pzs_real *value, pzs_real *displace
     for (uint32_t j = 0; j < inputs; j++)
         if (value[j] != 0)
             pzs_model_add_input(model, j, value[j], model->state.work);
-    return fail(model, solve_force(model, displacement), -1);
+    return fail(model, pzs_model_solve_force(model, displacement), -1);
 }
 
 /* ---- influence -------------------------------------------------------- */
@@ -740,7 +742,7 @@ pzs_status pzs_influence(pzs_model *model, pzs_real *influence)
     for (uint32_t j = 0; j < structure->input.count; j++) {
         memset(model->state.work, 0, model->state.stiffness.n * sizeof *model->state.work);
         pzs_model_add_input(model, j, 1, model->state.work);
-        const pzs_status status = solve_force(model, displacement);
+        const pzs_status status = pzs_model_solve_force(model, displacement);
         if (status != PZS_OK)
             return fail(model, status, (int32_t)j);
         for (uint32_t i = 0; i < structure->output.count; i++)

@@ -74,6 +74,25 @@ void pzs_model_scatter(const pzs_model *model, const uint16_t *node, unsigned co
 void pzs_model_backsolve(const pzs_model *model, const pzs_real *force, pzs_real *displacement);
 
 /*
+ * A symmetric positive semidefinite matrix that the factors of the model contain in addition to the
+ * stiffness matrix, such as a multiple of the mass matrix.
+ *   add_term_product  add the product of this matrix with a vector to a force, both [free_dof]
+ */
+typedef struct pzs_model_term {
+    void (*add_term_product)(const struct pzs_model_term *term, const pzs_real *vector,
+                             pzs_real *force);
+} pzs_model_term;
+
+/*
+ * Solve for the displacement under the force in the first vector of the work array of the model. If
+ * the structure has element types, the solution is refined by iterations with residuals that are
+ * computed from the strains of the elements, and with state.term.
+ *   displacement [free_dof] out  solution; may be the sixth vector of the work array
+ * Returns PZS_OK, or PZS_E_RESIDUAL: the displacement is the best that was reached.
+ */
+pzs_status pzs_model_solve_force(pzs_model *model, pzs_real *displacement);
+
+/*
  * Return the squared norm of a force [free_dof] whose entries are multiplied by the scale factors
  * of the rows of the stiffness matrix, so that all rows have the same weight.
  */

@@ -343,6 +343,19 @@ void pzs_shell_force(const pzs_element_type *type, unsigned dof_per_node,
     small_force(type, dof_per_node, modes, force);
 }
 
+pzs_real pzs_shell_energy(const pzs_element_type *type, unsigned dof_per_node,
+                          const pzs_real *displacement)
+{
+    pzs_real strain[4][10], resultant[4][10], sum = 0;
+    small_strains(type, dof_per_node, displacement, strain);
+    memcpy(resultant, strain, sizeof resultant);
+    multiply_modes(type, resultant);
+    for (int mode = 0; mode < SHELL_MODES; mode++)
+        for (int i = 0; i < SHELL_STRAINS; i++)
+            sum += strain[mode][i] * resultant[mode][i];
+    return sum;
+}
+
 void pzs_shell_stiffness(const pzs_element_type *type, unsigned dof_per_node, pzs_real *stiffness)
 {
     const unsigned dof = SHELL_NODES * dof_per_node;

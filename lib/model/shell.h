@@ -36,6 +36,16 @@ void pzs_shell_force(const pzs_element_type *type, unsigned dof_per_node,
                      const pzs_real *displacement, pzs_real *force);
 
 /*
+ * Return twice the strain energy of an element in the undeformed state, from its strains: the sum
+ * of strain times stress resultant. All its terms belong to squares of strains, so that it keeps
+ * digits that displacement times force would lose.
+ *   displacement [4 dof_per_node] in   nodal displacement
+ *                                      (m, or 1 for differences over the thickness)
+ */
+pzs_real pzs_shell_energy(const pzs_element_type *type, unsigned dof_per_node,
+                          const pzs_real *displacement);
+
+/*
  * Stiffness matrix of an element in the undeformed state, one column for each call of
  * pzs_shell_force.
  *   stiffness [SHELL_PACKED(4 dof_per_node)] out  packed lower triangle
