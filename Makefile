@@ -48,7 +48,7 @@ FOLDERS := -DSCENE_PLACE='"$(SCENES)"' -DSCENE_FOLDER='"$(CURDIR)/$(SCENES)"' -D
 define variant
 $(B)/$(1)/%.o: %.c
 	@mkdir -p $$(@D)
-	$$(CC) $$(WARN) $$(DEPEND) $(2) -DPZS_NONLINEAR=1 $$(FOLDERS) $$(INCLUDE) $$(CFLAGS) -c $$< -o $$@
+	$$(CC) $$(WARN) $$(DEPEND) $(2) -DPZS_NONLINEAR=1 -DPZS_MODES=1 $$(FOLDERS) $$(INCLUDE) $$(CFLAGS) -c $$< -o $$@
 $(B)/$(1)/libpiezoshape.a: $$(LIB:%.c=$(B)/$(1)/%.o)
 	rm -f $$@ && ar rcs $$@ $$^
 $(B)/$(1)/host.a: $$(HOST:%.c=$(B)/$(1)/%.o)
@@ -104,7 +104,7 @@ PACKAGES := firmware_demo/packages
 define pkg_config
 	@printf '%s\n' 'prefix=$(PREFIX)' 'includedir=$${prefix}/include/piezoshape' 'libdir=$${prefix}/lib' '' \
 	    'Name: piezoshape$(1)' 'Description: shape control of piezoelectric shells, $(2) bit reals' 'Version: $(VERSION)' \
-	    'Cflags: -I"$${includedir}" -DPZS_REAL_BITS=$(2) -DPZS_NONLINEAR=1' 'Libs: -L"$${libdir}" -lpiezoshape$(1) -lm' \
+	    'Cflags: -I"$${includedir}" -DPZS_REAL_BITS=$(2) -DPZS_NONLINEAR=1 -DPZS_MODES=1' 'Libs: -L"$${libdir}" -lpiezoshape$(1) -lm' \
 	    >'$(TO)/lib/pkgconfig/piezoshape$(1).pc'
 endef
 
@@ -216,6 +216,7 @@ $(call for_variants,identify,64,@tests/rigs/scene_run.o @host.a)
 $(call for_variants,identify_modes,64,@host.a)
 $(call for_variants,calibrate,64 san64,@tests/rigs/scene_run.o @host.a)
 $(call for_variants,model,64 32 san64 san32,@tests/rigs/testdata.o @bridge64.o)
+$(call for_variants,modes,64 32 san64 san32,@bridge64.o)
 $(foreach t,follower contact,$(call for_variants,$(t),64 32 san64 san32,))
 $(call for_variants,simulate,64 san64,@tests/rigs/scene_run.o @host.a)
 $(call for_variants,shell_motion,64 san64,@tests/rigs/testdata.o @tests/rigs/scene_run.o @host.a)

@@ -19,8 +19,10 @@ F := $(B)/firmware
 # FW_OBJECTS=$(B)/firmware it takes the objects that `make loop-objects` compiled there.
 FW_OBJECTS ?= $(F)
 O := $(FW_OBJECTS)
-FW_LIB_NONLINEAR := $(patsubst lib/%.c,%,$(wildcard lib/*/*.c))
-FW_LIB := $(filter-out nonlinear/%,$(FW_LIB_NONLINEAR))
+FW_LIB_ALL := $(patsubst lib/%.c,%,$(wildcard lib/*/*.c))
+FW_LIB_NONLINEAR := $(filter-out modes/%,$(FW_LIB_ALL))
+FW_LIB_MODES := $(filter-out nonlinear/%,$(FW_LIB_ALL))
+FW_LIB := $(filter-out modes/%,$(FW_LIB_MODES))
 T := $(B)/tables
 FW_INCLUDE := -Iinclude -I$(T)
 FW_FLAGS := -std=c99 -ffunction-sections -fdata-sections -fno-math-errno -ffp-contract=off \

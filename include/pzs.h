@@ -7,6 +7,7 @@
  *   pzs_calibrate.h  the influence matrix from voltages and readings, on the device
  *   pzs_model.h      linear image: from element matrices to the influence matrix, on the device
  *   pzs_nonlinear.h  nonlinear image (PZS_NONLINEAR=1): equilibrium at large rotation
+ *   pzs_modes.h      option (PZS_MODES=1): natural frequencies and mode shapes
  *
  * SPDX-License-Identifier: BSD-2-Clause
  */
@@ -18,5 +19,6 @@
 #include "pzs_loop.h"
 #include "pzs_model.h"
 #include "pzs_nonlinear.h"
+#include "pzs_modes.h"
 
 #endif

@@ -69,10 +69,12 @@ typedef double pzs_real;
 
 /*
  * Upper bounds of the stack (bytes) that a public function of the library uses: PZS_STACK_LINEAR in
- * a program without large rotations (built without PZS_NONLINEAR), PZS_STACK_NONLINEAR in a program
- * built with PZS_NONLINEAR=1.
+ * a program without large rotations (built without PZS_NONLINEAR), PZS_STACK_MODES in one that also
+ * computes vibration modes (PZS_MODES=1), PZS_STACK_NONLINEAR in a program built with
+ * PZS_NONLINEAR=1.
  */
 #define PZS_STACK_LINEAR (256u * sizeof(pzs_real))
+#define PZS_STACK_MODES (320u * sizeof(pzs_real))
 #define PZS_STACK_NONLINEAR (2176u * sizeof(pzs_real))
 
 /* Return the version of the linked library: the value of PZS_VERSION_TEXT when it was compiled. */
@@ -133,6 +135,8 @@ typedef enum pzs_status {
                            input info.where; its column of the influence matrix is kept. */
     PZS_W_GATED, /* Warning: measurement info.where is beyond its range or contradicts the others;
                     the sensor gate treats it as missing. */
+    PZS_W_MODE_COUNT, /* Warning: the vibration modes have converged, but rounding errors are too
+                         large to prove by a count that none is missing. */
 
     /*
      * Status codes of errors have values from 64 on: a function that returns one has left its
@@ -197,7 +201,12 @@ typedef enum pzs_status {
      * amplifier. The findings are in pzs_selftest_info, and the loop does not begin to control the
      * voltages.
      */
-    PZS_E_SELFTEST
+    PZS_E_SELFTEST,
+    PZS_E_MASS,  /* Error: the free degree of freedom info.where has no mass. */
+    PZS_E_MODES, /* Error: the vibration modes have not converged within the limit on linear solves;
+                    info.where is the number of those that have. */
+    PZS_E_MODE_COUNT /* Error: more or fewer vibration modes lie below the last one than were found:
+                        info.where of them, by a count of negative pivots. */
 } pzs_status;
 
 #define PZS_IS_ERROR(status) ((status) >= PZS_E_ARGUMENT)

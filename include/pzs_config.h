@@ -21,6 +21,13 @@
 #endif
 
 /*
+ * PZS_MODES: 1 builds the part of the library for vibration modes (pzs_modes.h); 0 leaves it out.
+ */
+#ifndef PZS_MODES
+#define PZS_MODES 0
+#endif
+
+/*
  * PZS_TILE: number of matrix rows that the factorisation processes together: 4 suits
  * microcontrollers, 8 and 16 the wide vector units of gcc and clang. The results have the same bits
  * for each of these numbers if the compiler does not contract floating-point operations

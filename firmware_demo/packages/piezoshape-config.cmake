@@ -12,7 +12,7 @@ foreach(_piezoshape_variant ":64" "32:32")
         set_target_properties(${_piezoshape_target} PROPERTIES
             IMPORTED_LOCATION "${_piezoshape_prefix}/lib/libpiezoshape${_piezoshape_suffix}.a"
             INTERFACE_INCLUDE_DIRECTORIES "${_piezoshape_prefix}/include/piezoshape"
-            INTERFACE_COMPILE_DEFINITIONS "PZS_REAL_BITS=${_piezoshape_bits};PZS_NONLINEAR=1"
+            INTERFACE_COMPILE_DEFINITIONS "PZS_REAL_BITS=${_piezoshape_bits};PZS_NONLINEAR=1;PZS_MODES=1"
             INTERFACE_LINK_LIBRARIES m)
     endif()
 endforeach()

@@ -30,6 +30,8 @@ const char *pzs_status_text(pzs_status status)
         return "the records do not determine the effect of an input: its column is kept";
     case PZS_W_GATED:
         return "a measurement is beyond its range or contradicts the others: taken as missing";
+    case PZS_W_MODE_COUNT:
+        return "the vibration modes have converged, but cannot be counted in this precision";
     case PZS_E_ARGUMENT: return "null pointer, or a size or index out of range";
     case PZS_E_FORMAT: return "tables of another format or scene";
     case PZS_E_CRC: return "tables do not match their checksum";
@@ -52,6 +54,11 @@ const char *pzs_status_text(pzs_status status)
     case PZS_E_SOLVES: return "limit on linear solves reached";
     case PZS_E_SELFTEST:
         return "self-test: an amplifier or sensor is faulty, or vibration hides its response";
+    case PZS_E_MASS: return "a free degree of freedom has no mass";
+    case PZS_E_MODES:
+        return "vibration modes not converged: more Lanczos vectors or a higher limit on solves";
+    case PZS_E_MODE_COUNT:
+        return "a count of pivots contradicts the vibration modes found: ask for one more or fewer";
     default: return "unknown status";
     }
 }

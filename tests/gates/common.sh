@@ -14,11 +14,21 @@ m4='-mthumb -mfloat-abi=hard -mcpu=cortex-m4 -mfpu=fpv4-sp-d16'
 m7='-mthumb -mfloat-abi=hard -mcpu=cortex-m7 -mfpu=fpv5-d16'
 include='-Iinclude'
 
-# Library sources with PZS_NONLINEAR $1 (0 or 1).
+# Definitions of the options $1: 0 none, 1 all, modes PZS_MODES alone.
+options() {
+    case $1 in
+    0) echo '-DPZS_NONLINEAR=0 -DPZS_MODES=0' ;;
+    1) echo '-DPZS_NONLINEAR=1 -DPZS_MODES=1' ;;
+    modes) echo '-DPZS_NONLINEAR=0 -DPZS_MODES=1' ;;
+    esac
+}
+
+# Library sources with the options $1.
 sources() {
     for file in lib/*/*.c; do
         case $file in
         lib/nonlinear/*) [ "$1" = 1 ] && echo "$file" ;;
+        lib/modes/*) [ "$1" != 0 ] && echo "$file" ;;
         *) echo "$file" ;;
         esac
     done
@@ -33,31 +43,31 @@ on_host='-fno-pie'
 on_m4="$m4 -fstack-usage -fcallgraph-info=su"
 on_m7="$m7 -fstack-usage -fcallgraph-info=su"
 
-# compile COMPILER TARGET_FLAGS NONLINEAR DEFINITIONS...: the objects of the library, listed in $scratch/objects. They are
+# compile COMPILER TARGET_FLAGS OPTIONS DEFINITIONS...: the objects of the library, listed in $scratch/objects. They are
 # kept in $B/gates under a checksum of the compiler, its flags and the text that the preprocessor makes of the source, so
 # that no gate compiles again what another one has compiled, or what a definition does not change. The list of objects is
 # kept under a checksum of the flags and of all sources, so that the preprocessor runs once for each choice of flags.
 compile() {
-    compiler=$1 target=$2 nonlinear=$3
+    compiler=$1 target=$2 choice=$3
     shift 3
     store=${B:-build}/gates
     mkdir -p "$store"
     version=$("$compiler" -dumpfullversion 2>/dev/null || "$compiler" --version)
-    everything=$({ echo "$compiler $version $target $strict $nonlinear $*"; cat lib/*/*.[ch] include/*.h; } | md5sum)
+    everything=$({ echo "$compiler $version $target $strict $choice $*"; cat lib/*/*.[ch] include/*.h; } | md5sum)
     list=$store/${everything%% *}.list
     if [ -f "$list" ]; then
         cp "$list" "$scratch/objects"
         return 0
     fi
     : >"$scratch/objects"
-    for file in $(sources "$nonlinear"); do
+    for file in $(sources "$choice"); do
         # shellcheck disable=SC2086
-        text=$({ echo "$compiler $version $target $strict"; "$compiler" $target $strict $include -DPZS_NONLINEAR="$nonlinear" "$@" -E "$file"; } | md5sum)
+        text=$({ echo "$compiler $version $target $strict"; "$compiler" $target $strict $include $(options "$choice") "$@" -E "$file"; } | md5sum)
         object=$store/$(basename "$file" .c)-${text%% *}
         if [ ! -f "$object.o" ]; then
             # A compiler cache does not give the call graph back.
             # shellcheck disable=SC2086
-            CCACHE_DISABLE=1 "$compiler" $target $strict $include -DPZS_NONLINEAR="$nonlinear" "$@" -c "$file" -o "$object.$$.o" || return 1
+            CCACHE_DISABLE=1 "$compiler" $target $strict $include $(options "$choice") "$@" -c "$file" -o "$object.$$.o" || return 1
             [ ! -f "$object.$$.ci" ] || mv "$object.$$.ci" "$object.ci"
             rm -f "$object.$$.su"
             mv "$object.$$.o" "$object.o"

@@ -6,16 +6,17 @@
 : "${B:=build}" "${CXX:=g++}" "${CLANGXX:=clang++}"
 . tests/gates/common.sh
 
-# alone COMPILER LANGUAGE FLAGS...: every public header, nonlinear off and on
+# alone COMPILER LANGUAGE FLAGS...: every public header, options off and on
 alone() {
     compiler=$1 language=$2
     shift 2
     tap_needs "$compiler" "headers alone, $compiler $*" || return 0
     for header in include/*.h; do
-        for nonlinear in 0 1; do
+        for choice in 0 1 modes; do
             printf '#include "%s"\ntypedef int not_empty;\n' "$(basename "$header")" |
-                "$compiler" "$@" -pedantic -Wall -Wextra -Werror -Iinclude -DPZS_NONLINEAR="$nonlinear" -fsyntax-only \
-                    -x "$language" - || echo "$header with PZS_NONLINEAR=$nonlinear"
+                # shellcheck disable=SC2046
+                "$compiler" "$@" -pedantic -Wall -Wextra -Werror -Iinclude $(options "$choice") -fsyntax-only \
+                    -x "$language" - || echo "$header with $(options "$choice")"
         done
     done >"$scratch/found" 2>&1
     [ ! -s "$scratch/found" ]
@@ -68,7 +69,7 @@ links() {
     shift 2
     tap_needs "$compiler" "$compiler links" || return 0
     for bits in 32 64; do
-        "$compiler" "$@" -Wall -Wextra -Werror -Iinclude -DPZS_REAL_BITS="$bits" -DPZS_NONLINEAR=1 "$scratch/$source" \
+        "$compiler" "$@" -Wall -Wextra -Werror -Iinclude -DPZS_REAL_BITS="$bits" -DPZS_NONLINEAR=1 -DPZS_MODES=1 "$scratch/$source" \
             "$B/$bits/libpiezoshape.a" -lm -o "$scratch/words" 2>&1 && "$scratch/words" >/dev/null || echo "$bits bits"
     done >"$scratch/found"
     [ ! -s "$scratch/found" ]
@@ -88,7 +89,8 @@ tap $? 'every external symbol begins with pzs_'
 tables='pzs_rows pzs_element_type pzs_compact_type pzs_node pzs_structure pzs_electrodes pzs_prescribed_resultants pzs_prescribed_motion pzs_nonlinear
     pzs_follower pzs_body pzs_contact_face pzs_limit_rows pzs_sparse_influence pzs_problem pzs_estimator pzs_reading_delay pzs_vibration pzs_governor pzs_feed_forward_table pzs_known_loads pzs_amplifier
     pzs_fault_detection pzs_hysteresis pzs_actuator_curves pzs_supervision
-    pzs_selftest_tables pzs_modal_gains pzs_free_functions pzs_sensor_gate pzs_block'
+    pzs_selftest_tables pzs_modal_gains pzs_free_functions pzs_sensor_gate pzs_block
+    pzs_mass'
 cat include/*.h | "$CC" -E -fpreprocessed -P - 2>/dev/null | sed '/^#/d' >"$scratch/bare"
 # Every struct with a format number, and every struct of which such a table has an array, is one of these.
 awk '

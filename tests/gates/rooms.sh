@@ -13,11 +13,12 @@ plain='
         return path
     }'
 
-# Lines "FILE INCLUDED" for the files $2... with PZS_NONLINEAR $1; generated tables include pzs.h alone.
+# Lines "FILE INCLUDED" for the files $2... with the options $1; generated tables include pzs.h alone.
 includes() {
-    nonlinear=$1
+    choice=$1
     shift
-    "$CC" -std=c99 -MM -MG -Iinclude -DDEMO_TABLES='"pzs.h"' -DPZS_NONLINEAR="$nonlinear" "$@" 2>/dev/null | awk "$plain"'
+    # shellcheck disable=SC2046
+    "$CC" -std=c99 -MM -MG -Iinclude -DDEMO_TABLES='"pzs.h"' $(options "$choice") "$@" 2>/dev/null | awk "$plain"'
         { more = sub(/\\$/, ""); rule = rule " " $0 }
         more { next }
         {

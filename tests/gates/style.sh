@@ -35,7 +35,7 @@ check 'no #if inside a function' "$strip"'
     { opened = gsub(/\{/, "{", line); closed = gsub(/\}/, "}", line); depth += opened - closed; if (depth < 0) depth = 0 }'
 
 check 'switches come from pzs_config.h alone' "$strip"'
-    line ~ /^[ \t]*#[ \t]*define[ \t]+PZS_(REAL_BITS|NONLINEAR|TILE|STEP_PASSES|FOLLOWER|CONTACT|ELECTRIC)([ \t(]|$)/ && FILENAME !~ /pzs_config[.]h/ { print where $0 }'
+    line ~ /^[ \t]*#[ \t]*define[ \t]+PZS_(REAL_BITS|NONLINEAR|MODES|TILE|STEP_PASSES|FOLLOWER|CONTACT|ELECTRIC)([ \t(]|$)/ && FILENAME !~ /pzs_config[.]h/ { print where $0 }'
 
 check 'lines of at most 100 columns, no tabs, no trailing blanks' '
     length($0) > 100 { print FILENAME ":" FNR ": " length($0) " characters" }
@@ -67,7 +67,7 @@ tap $? 'conditional expressions: not nested, one in a statement (tests: not nest
 
 if tap_needs "$CC" 'no array of variable length, no implicit declaration'; then
     # shellcheck disable=SC2086,SC2046
-    "$CC" -std=c99 -fsyntax-only -Werror=vla -Werror=implicit-function-declaration -DPZS_NONLINEAR=1 $include $(sources 1) \
+    "$CC" -std=c99 -fsyntax-only -Werror=vla -Werror=implicit-function-declaration $(options 1) $include $(sources 1) \
         2>"$scratch/found"
     tap $? 'no array of variable length, no implicit declaration'
 fi

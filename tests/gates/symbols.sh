@@ -7,20 +7,21 @@
 leaf='memcpy memmove memset sqrt sqrtf fabs fabsf'
 integer='__aeabi_uldivmod __aeabi_ldivmod __aeabi_lmul __aeabi_uidiv __aeabi_idiv __aeabi_uidivmod __aeabi_idivmod'
 
-# check NAME COMPILER NM ALLOWED TARGET_FLAGS BITS: the linear library and the nonlinear one
+# check NAME COMPILER NM ALLOWED TARGET_FLAGS BITS: the linear library, with modes, and with all options
 check() {
     check_one 0 "$@"
     what=$1
     shift
+    check_one modes "$what, modes" "$@"
     check_one 1 "$what, nonlinear" "$@"
 }
 
 check_one() {
-    nonlinear=$1
+    choice=$1
     shift
     name=$1 nm=$3 allowed=$4
     tap_needs "$2" "$name" || return 0
-    if ! compile "$2" "$5" "$nonlinear" -DPZS_REAL_BITS="$6" 2>"$scratch/found"; then
+    if ! compile "$2" "$5" "$choice" -DPZS_REAL_BITS="$6" 2>"$scratch/found"; then
         tap 1 "$name"
         return 0
     fi

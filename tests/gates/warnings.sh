@@ -8,17 +8,17 @@
 check() {
     tap_needs "$2" "$1" || return 0
     for bits in $4; do
-        for nonlinear in 0 1; do
-            compile "$2" "$3" "$nonlinear" -DPZS_REAL_BITS="$bits" -DPZS_TILE=4 || echo "with $bits bits, nonlinear $nonlinear"
+        for choice in 0 1 modes; do
+            compile "$2" "$3" "$choice" -DPZS_REAL_BITS="$bits" -DPZS_TILE=4 || echo "with $bits bits, options $choice"
         done
         for tile in 8 16; do
             # shellcheck disable=SC2046,SC2086
-            "$2" ${3%%-fstack-usage*} $strict $include -fsyntax-only -DPZS_NONLINEAR=1 -DPZS_REAL_BITS="$bits" -DPZS_TILE="$tile" $(sources 1) ||
+            "$2" ${3%%-fstack-usage*} $strict $include -fsyntax-only $(options 1) -DPZS_REAL_BITS="$bits" -DPZS_TILE="$tile" $(sources 1) ||
                 echo "with $bits bits, tile $tile"
         done
     done >"$scratch/found" 2>&1
     [ ! -s "$scratch/found" ]
-    tap $? "$1, $4 bits, tiles 4 8 16, nonlinear off and on"
+    tap $? "$1, $4 bits, tiles 4 8 16, options off and on"
 }
 
 # wide NAME COMPILER: the innermost loop of the factorisation for AVX2, where the compiler makes programs for x86-64.
@@ -34,7 +34,7 @@ wide() {
 if tap_needs "$CLANG" 'clang, host tool'; then
     # shellcheck disable=SC2016
     ls host_tools/*/*.c | CLANG=$CLANG xargs -n 12 -P 2 sh -c 'for file; do
-        "$CLANG" -std=c99 -pedantic -Wall -Wextra -Wconversion -Wdouble-promotion -Werror -fsyntax-only -DPZS_NONLINEAR=1 \
+        "$CLANG" -std=c99 -pedantic -Wall -Wextra -Wconversion -Wdouble-promotion -Werror -fsyntax-only -DPZS_NONLINEAR=1 -DPZS_MODES=1 \
             -DSCENE_PLACE=\"\" -DSCENE_FOLDER=\"\" -DSOURCE_FOLDER=\"\" -Iinclude "$file"
     done' each >"$scratch/found" 2>&1
     [ ! -s "$scratch/found" ]

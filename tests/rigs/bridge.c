@@ -8,12 +8,15 @@
 #include "../../host_tools/mesh/compact_types.h"
 #include "../../host_tools/model/analysis.h"
 #include "../../host_tools/model/calibrate.h"
+#include "../../host_tools/model/design_build.h"
 #include "../../host_tools/model/mass.h"
 #include "../../host_tools/model/vibration.h"
+#include "../../host_tools/tables/mass_tables.h"
 
 typedef struct inside {
     scene scene;
     analysis analysis;
+    bool is_unsolved; /* only the design of the analysis is there */
 } inside;
 
 static bridge_rows rows_of(const pzs_rows *rows)
@@ -63,9 +66,9 @@ static int fill_compact(bridge *tables, const mesh *mesh)
     return is_whole ? 0 : -1;
 }
 
-static int fill(bridge *tables, inside *in, char *error)
+/* Copy what the scene says of the structure, without a solution. */
+static int fill_structure(bridge *tables, const design *design)
 {
-    const design *design = &in->analysis.design;
     const mesh *mesh = &design->mesh;
     tables->nodes = mesh->nodes;
     tables->elements = mesh->elements;
@@ -79,8 +82,6 @@ static int fill(bridge *tables, inside *in, char *error)
     tables->stiffness = mesh->stiffness;
     tables->type_values = (const double *)mesh->type;
     tables->type_reals = sizeof *mesh->type / sizeof(double);
-    if (fill_compact(tables, mesh) < 0)
-        return -1;
     tables->input = rows_of(&design->structure.input);
     tables->output = rows_of(&design->structure.output);
     tables->spring = rows_of(&design->structure.spring);
@@ -92,10 +93,18 @@ static int fill(bridge *tables, inside *in, char *error)
     tables->electrode_input = design->electrodes.input;
     tables->electrode_open = design->electrodes.open;
     tables->direct = rows_of(&design->electrodes.direct);
-    tables->input_value = in->analysis.input_value;
     tables->amplifiers = design->amplifiers;
     tables->targets = design->targets;
-    tables->displacement = calloc((size_t)mesh->free_dof, sizeof *tables->displacement);
+    return fill_compact(tables, mesh);
+}
+
+static int fill(bridge *tables, inside *in, char *error)
+{
+    const design *design = &in->analysis.design;
+    if (fill_structure(tables, design) < 0)
+        return -1;
+    tables->input_value = in->analysis.input_value;
+    tables->displacement = calloc((size_t)tables->dof, sizeof *tables->displacement);
     if (!tables->displacement || analysis_solve(&in->analysis, tables->displacement, error) < 0)
         return -1;
     fill_path(tables, &in->analysis.equilibrium);
@@ -108,20 +117,44 @@ static int fill(bridge *tables, inside *in, char *error)
     return 0;
 }
 
-int bridge_open(bridge *tables, const char *scene_name, const char *const *set, int sets,
-                char *error)
+/* Read a scene. Returns its memory, or NULL with error filled. */
+static inside *read_scene(const char *scene_name, const char *const *set, int sets, char *error)
 {
     char path[4096];
     inside *in = calloc(1, sizeof *in);
-    memset(tables, 0, sizeof *tables);
     snprintf(path, sizeof path, strchr(scene_name, '/') ? "%s" : SCENE_FOLDER "/%s.yaml",
              scene_name);
-    if (!in || scene_read(&in->scene, path, set, sets, error) < 0) {
-        free(in);
+    if (in && scene_read(&in->scene, path, set, sets, error) == 0)
+        return in;
+    free(in);
+    return NULL;
+}
+
+int bridge_open(bridge *tables, const char *scene_name, const char *const *set, int sets,
+                char *error)
+{
+    memset(tables, 0, sizeof *tables);
+    inside *in = read_scene(scene_name, set, sets, error);
+    if (!in)
         return -1;
-    }
     tables->inside = in;
     if (analysis_prepare(&in->analysis, &in->scene, error) == 0 && fill(tables, in, error) == 0)
+        return 0;
+    bridge_close(tables);
+    return -1;
+}
+
+int bridge_open_unsolved(bridge *tables, const char *scene_name, const char *const *set, int sets,
+                         char *error)
+{
+    memset(tables, 0, sizeof *tables);
+    inside *in = read_scene(scene_name, set, sets, error);
+    if (!in)
+        return -1;
+    tables->inside = in;
+    in->is_unsolved = true;
+    if (design_build(&in->analysis.design, &in->scene, error) == 0 &&
+        fill_structure(tables, &in->analysis.design) == 0)
         return 0;
     bridge_close(tables);
     return -1;
@@ -130,10 +163,12 @@ int bridge_open(bridge *tables, const char *scene_name, const char *const *set, 
 void bridge_close(bridge *tables)
 {
     inside *in = tables->inside;
-    if (in) {
+    if (in && in->is_unsolved)
+        design_free(&in->analysis.design);
+    else if (in)
         analysis_free(&in->analysis);
+    if (in)
         scene_free(&in->scene);
-    }
     free(in);
     free(tables->displacement);
     free(tables->compact_value);
@@ -192,6 +227,42 @@ void bridge_modes_close(bridge_modes *modes)
     free(modes->load);
     free(modes->load_shape);
     memset(modes, 0, sizeof *modes);
+}
+
+typedef struct inside_mass {
+    mass_tables tables;
+    vibration vibration;
+} inside_mass;
+
+int bridge_mass_open(bridge_mass *mass, const bridge *tables, int modes, char *error)
+{
+    const inside *in = tables->inside;
+    inside_mass *own = calloc(1, sizeof *own);
+    memset(mass, 0, sizeof *mass);
+    mass->inside = own;
+    if (!own || mass_tables_make(&own->tables, &in->analysis.design, MASS_LUMPED, error) < 0 ||
+        vibration_solve(&own->vibration, &in->analysis.design, modes, MASS_LUMPED, error) < 0)
+        return -1;
+    mass->types = own->tables.tables.types;
+    mass->element_type = own->tables.element_type;
+    mass->matrix = own->tables.matrix;
+    mass->count = own->vibration.count;
+    mass->rigid = own->vibration.rigid;
+    mass->square = own->vibration.square;
+    mass->shape = own->vibration.shape;
+    mass->response = own->vibration.response;
+    return 0;
+}
+
+void bridge_mass_close(bridge_mass *mass)
+{
+    inside_mass *own = mass->inside;
+    if (own) {
+        mass_tables_free(&own->tables);
+        vibration_free(&own->vibration);
+    }
+    free(own);
+    memset(mass, 0, sizeof *mass);
 }
 
 double bridge_calibrate(size_t count, size_t inputs, size_t outputs, const double *voltage,

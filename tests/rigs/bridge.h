@@ -70,6 +70,13 @@ int bridge_open(bridge *tables, const char *scene, const char *const *set, int s
 void bridge_close(bridge *tables);
 
 /*
+ * Read a scene without solving it: the members of the structure alone are filled. For structures
+ * without supports.
+ */
+int bridge_open_unsolved(bridge *tables, const char *scene, const char *const *set, int sets,
+                         char *error);
+
+/*
  * Modal model of a scene, with modes of unit modal mass: shapes at the nodes of the target, and
  * static responses.
  */
@@ -88,6 +95,24 @@ typedef struct bridge_modes {
  */
 int bridge_modes_open(bridge_modes *mode_tables, const bridge *tables, int modes, char *error);
 void bridge_modes_close(bridge_modes *modes);
+
+/* Mass tables of a scene (pzs_mass), and what the host finds with them, in double. */
+typedef struct bridge_mass {
+    int types, rigid, count;
+    const uint16_t *element_type; /* [elements] */
+    const double *matrix;         /* [types] packed element mass matrices */
+    double *square;               /* [count] squared angular frequencies (rad^2/s^2) */
+    double *shape;                /* [count][dof] mode shapes of unit modal mass */
+    double *response;             /* [count][inputs] static value of each modal coordinate */
+    void *inside;
+} bridge_mass;
+
+/*
+ * Build the mass tables of a scene with densities, and compute its lowest modes on the host; about
+ * the equilibrium where the scene is nonlinear. Returns 0, or -1 with a message in error [400].
+ */
+int bridge_mass_open(bridge_mass *mass, const bridge *tables, int modes, char *error);
+void bridge_mass_close(bridge_mass *mass);
 
 /*
  * Least squares of `pzs calibrate` without a model: influence matrix, standard errors of its

@@ -1,0 +1,87 @@
+/* SPDX-License-Identifier: BSD-2-Clause */
+/*
+ * Lanczos search for the lowest vibration modes. In the comments K is the stiffness and M the mass
+ * matrix, and
+ *   A = unit (K + shift M)^-1 M
+ * is the operator of the search, whose largest eigenvalues belong to the lowest modes; unit is a
+ * power of two that brings these eigenvalues near 1. The projection of A onto the basis and its
+ * eigenvalues and eigenvectors (Ritz values and vectors) approximate those of A.
+ */
+#ifndef PZS_LIB_SEARCH_H
+#define PZS_LIB_SEARCH_H
+
+#include "pzs_modes.h"
+
+#if PZS_MODES
+
+/* How the search assembles and solves, for the undeformed state in undeformed.c. */
+struct pzs_modes_calls {
+    /*
+     * Assemble the stiffness matrix K, not scaled, in the memory of the model. Returns PZS_OK or an
+     * error.
+     */
+    pzs_status (*assemble_stiffness)(pzs_modes *modes);
+    /*
+     * Solve (K + shift M) u = f by the factors in the model. The force f is the first vector of the
+     * work array of the model, the displacement u becomes the sixth.
+     */
+    pzs_status (*solve_force)(pzs_modes *modes);
+    /*
+     * Return the squared angular frequency of a mode shape.
+     *   shape [free_dof] in  mode shape of unit modal mass
+     *   ritz             in  squared angular frequency by the Ritz value
+     */
+    pzs_real (*squared_frequency)(const pzs_modes *modes, const pzs_real *shape, pzs_real ritz);
+    /* Add the force per unit of an input to force [free_dof]. */
+    void (*add_input_force)(const pzs_modes *modes, uint32_t input, pzs_real *force);
+};
+
+/* Begin a search with an empty basis. */
+void pzs_search_begin(pzs_modes *modes);
+
+/*
+ * Append to the basis A times a start vector [free_dof], or A times a random vector where `start`
+ * is NULL, in which the lowest modes dominate. The basis stays as it is if it is full or if the new
+ * vector depends on it. Returns PZS_OK or the error of the linear solve.
+ */
+pzs_status pzs_search_append(pzs_modes *modes, const pzs_real *start);
+
+/*
+ * Extend the basis until `wanted` modes have converged, and those whose frequencies cannot be
+ * distinguished from the last of them. info.converged is the number of these modes. Returns PZS_OK,
+ * PZS_E_MODES, or the error of a linear solve.
+ */
+pzs_status pzs_search_converge(pzs_modes *modes, uint32_t wanted);
+
+/* Squared angular frequency by the Ritz value of mode i, which is below state.done. */
+pzs_real pzs_search_square(const pzs_modes *modes, uint32_t i);
+
+/*
+ * Number of the wanted modes, info.number, and of those whose frequencies cannot be
+ * distinguished from that of the last of them.
+ */
+uint32_t pzs_search_found(const pzs_modes *modes);
+
+/*
+ * Bound of the squared angular frequency above the modes that pzs_search_found counts and, where
+ * the next mode is known, below it.
+ *   distance out  smallest distance of the bound from a mode, relative to the bound plus the shift
+ */
+pzs_real pzs_search_bound(const pzs_modes *modes, pzs_real *distance);
+
+/*
+ * Ratio of the eigenvalue of A of the last mode that pzs_search_found counts to its largest one.
+ */
+pzs_real pzs_search_range(const pzs_modes *modes);
+
+/*
+ * Replace the basis by its first `keep` Ritz vectors and `remainders` of the basis vectors to which
+ * A has not been applied.
+ */
+void pzs_search_restart(pzs_modes *modes, uint32_t keep, uint32_t remainders);
+
+/* Multiply the mass matrix with a vector, both [free_dof] and in different arrays. */
+void pzs_search_multiply(const pzs_modes *modes, const pzs_real *vector, pzs_real *product);
+
+#endif
+#endif
