@@ -6,7 +6,7 @@
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
-#include "eigen.h"
+#include "../../lib/modes/eigen.h"
 #include "poke_reduction.h"
 
 /*
@@ -90,7 +90,7 @@ static void decompose(spectrum *spectrum, const pokes *pokes, double *gram)
     double largest = 0;
     for (size_t poke = 0; poke < count; poke++)
         largest = fmax(largest, gram[poke * count + poke]);
-    eigen_symmetric(gram, spectrum->vector, count, 40, DBL_EPSILON * DBL_EPSILON * largest);
+    pzs_eigen_symmetric(gram, spectrum->vector, count, 40, DBL_EPSILON * DBL_EPSILON * largest);
     for (size_t poke = 0; poke < count; poke++)
         spectrum->value[poke] = fmax(gram[poke * count + poke], 0);
 }

@@ -1,46 +1,8 @@
 /* SPDX-License-Identifier: BSD-2-Clause */
-/*
- * Eigenvalues of small dense matrices by Jacobi's method, spectral radius by repeated squaring
- * (eigen.h).
- */
+/* Spectral radius of small dense matrices by repeated squaring (eigen.h). */
 #include "eigen.h"
 #include <math.h>
 #include <string.h>
-
-/*
- * Rotate rows and columns p and q of the symmetric matrix a [n][n] so that its entry (p, q) becomes
- * 0, and apply the rotation to the columns of the eigenvector matrix v [n][n].
- */
-static void rotate(double *a, double *v, size_t n, size_t p, size_t q)
-{
-    const double theta = (a[q * n + q] - a[p * n + p]) / (2 * a[p * n + q]);
-    const double t = (theta < 0 ? -1 : 1) / (fabs(theta) + hypot(theta, 1)),
-                 c = 1 / sqrt(t * t + 1), s = t * c;
-    for (size_t i = 0; i < n; i++) {
-        const double x = a[i * n + p], y = a[i * n + q], vx = v[i * n + p], vy = v[i * n + q];
-        a[i * n + p] = c * x - s * y;
-        a[i * n + q] = s * x + c * y;
-        v[i * n + p] = c * vx - s * vy;
-        v[i * n + q] = s * vx + c * vy;
-    }
-    for (size_t i = 0; i < n; i++) {
-        const double x = a[p * n + i], y = a[q * n + i];
-        a[p * n + i] = c * x - s * y;
-        a[q * n + i] = s * x + c * y;
-    }
-}
-
-void eigen_symmetric(double *a, double *v, size_t n, int sweeps, double negligible)
-{
-    memset(v, 0, n * n * sizeof *v);
-    for (size_t i = 0; i < n; i++)
-        v[i * n + i] = 1;
-    for (int sweep = 0; sweep < sweeps; sweep++)
-        for (size_t p = 0; p < n; p++)
-            for (size_t q = p + 1; q < n; q++)
-                if (fabs(a[p * n + q]) > negligible)
-                    rotate(a, v, n, p, q);
-}
 
 /* Divide a matrix a [n][n] by its Frobenius norm. Returns the norm. */
 static double normalise(double *a, size_t n)

@@ -1,18 +1,10 @@
 /* SPDX-License-Identifier: BSD-2-Clause */
-/* Eigenvalues and spectral radius of small dense matrices. */
+/* Spectral radius of small dense matrices. */
 #ifndef EIGEN_H
 #define EIGEN_H
 
 #include <stdbool.h>
 #include <stddef.h>
-
-/*
- * Eigenvalues and eigenvectors of a symmetric matrix by Jacobi's method with cyclic sweeps.
- *   a [n][n]   in/out  the matrix; out: eigenvalues on the diagonal, not sorted
- *   v [n][n]   out     eigenvectors as columns
- *   negligible in      entries of at most this size count as 0
- */
-void eigen_symmetric(double *a, double *v, size_t n, int sweeps, double negligible);
 
 /*
  * Return the spectral radius of a square matrix A by repeated squaring, |A^k|^(1/k) with k =

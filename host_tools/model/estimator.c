@@ -5,7 +5,7 @@
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
-#include "eigen.h"
+#include "../../lib/modes/eigen.h"
 #include "output_calls.h"
 #include "../../lib/control/estimate.h"
 
@@ -193,7 +193,8 @@ static void form_covariance(estimation *estimation)
  */
 static void diagonalise(estimation *estimation)
 {
-    eigen_symmetric(estimation->square, estimation->eigenvector, estimation->sensors, SWEEPS, 0);
+    pzs_eigen_symmetric(estimation->square, estimation->eigenvector, estimation->sensors, SWEEPS,
+                        0);
 }
 
 static double eigenvalue(const estimation *estimation, size_t i)

@@ -12,7 +12,7 @@
 #include <string.h>
 #include "../../lib/core/linalg.h"
 #include "../mesh/invert.h"
-#include "eigen.h"
+#include "../../lib/modes/eigen.h"
 
 enum {
     CHANNELS = 10, /* largest number of channels (weighted sums of the readings) in which
@@ -529,7 +529,7 @@ static size_t shift_matrix(const fit *fit, double *matrix, double *vector, doubl
     bool is_taken[CHANNELS * BLOCKS] = {false};
     size_t column[ROOTS];
     double gram[ROOTS * ROOTS], product[ROOTS * ROOTS];
-    eigen_symmetric(matrix, vector, size, SWEEPS, 0);
+    pzs_eigen_symmetric(matrix, vector, size, SWEEPS, 0);
     for (size_t k = 0; k < rank; k++) {
         column[k] = next_largest(matrix, size, is_taken);
         is_taken[column[k]] = true;

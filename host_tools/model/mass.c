@@ -6,6 +6,7 @@
 #include <string.h>
 #include "../../lib/model/model.h"
 #include "../../lib/model/shell.h"
+#include "../../lib/modes/element_mass.h"
 #include "../mesh/corner_weight.h"
 #include "../quads/vector.h"
 #include "node_forces.h"
@@ -221,27 +222,6 @@ const double *mass_element(const mass *mass, int element)
     return mass->entry + (size_t)element * entries(mass->mesh);
 }
 
-/*
- * Multiply the packed mass matrix of one element with a vector. The innermost loops run over the
- * entries of the product, so that no addition waits for the one before.
- *   vector, product [count] with count = 4 dof_per_node
- */
-static void multiply_element(const double *entry, int count, const double *vector, double *product)
-{
-    for (int i = 0; i < count; i++)
-        product[i] = 0;
-    for (int column = 0; column < count; column++) {
-        for (int i = 0; i < column; i++)
-            product[i] += entry[i] * vector[column];
-        entry += column;
-        const double *below = entry++;
-        for (int i = column; i < count; i++) {
-            product[i] += *below * vector[column];
-            below += i + 1;
-        }
-    }
-}
-
 void mass_multiply(const mass *mass, const pzs_model *model, const double *vector, size_t count,
                    double *product)
 {
@@ -252,8 +232,8 @@ void mass_multiply(const mass *mass, const pzs_model *model, const double *vecto
             double local[SHELL_MAX], force[SHELL_MAX];
             pzs_model_gather(model, mass->mesh->element[element], SHELL_NODES,
                              vector + k * free_dof, local);
-            multiply_element(mass_element(mass, element), 4 * (int)mass->mesh->dof_per_node, local,
-                             force);
+            pzs_packed_multiply(mass_element(mass, element), 4 * mass->mesh->dof_per_node, local,
+                                force);
             pzs_model_scatter(model, mass->mesh->element[element], SHELL_NODES, 1, force,
                               product + k * free_dof);
         }
@@ -300,7 +280,7 @@ double mass_rigid(const mass *mass, const pzs_model *model, const double shift[3
             rigid_unknowns(mass->mesh, mass->mesh->element[element][corner], shift, spin, of_node);
             memcpy(unit + corner * dof_per_node, of_node, (size_t)dof_per_node * sizeof *unit);
         }
-        multiply_element(mass_element(mass, element), 4 * dof_per_node, unit, product);
+        pzs_packed_multiply(mass_element(mass, element), 4 * (uint32_t)dof_per_node, unit, product);
         for (int i = 0; i < 4 * dof_per_node; i++)
             sum += unit[i] * product[i];
         if (force)

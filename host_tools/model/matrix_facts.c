@@ -4,7 +4,7 @@
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
-#include "eigen.h"
+#include "../../lib/modes/eigen.h"
 
 double matrix_column_size(const scene *scene, int k)
 {
@@ -40,7 +40,7 @@ int matrix_facts_find(matrix_facts *facts, const scene_influence *influence, siz
     if (!gram)
         return -1;
     multiply(influence, amplifiers, gram);
-    eigen_symmetric(gram, gram + amplifiers * amplifiers, amplifiers, 30, 0);
+    pzs_eigen_symmetric(gram, gram + amplifiers * amplifiers, amplifiers, 30, 0);
     for (size_t k = 0; k < amplifiers; k++)
         facts->most = fmax(facts->most, sqrt(fmax(gram[k * amplifiers + k], 0)));
     facts->rank = 0;

@@ -15,6 +15,7 @@
 #include <string.h>
 #include "cholesky.h"
 #include "design.h"
+#include "../../lib/modes/eigen.h"
 #include "eigen.h"
 
 enum {
@@ -143,7 +144,8 @@ static int make_vectors(builder *builder, bool *is_taken, char *error)
     memcpy(builder->work, builder->hessian, n * n * sizeof *builder->work);
     for (size_t k = 0; k < n; k++)
         largest = fmax(largest, builder->work[k * n + k]);
-    eigen_symmetric(builder->work, builder->vector, n, SWEEPS, DBL_EPSILON * DBL_EPSILON * largest);
+    pzs_eigen_symmetric(builder->work, builder->vector, n, SWEEPS,
+                        DBL_EPSILON * DBL_EPSILON * largest);
     for (size_t mode = 0; mode < builder->modes; mode++) {
         const size_t index = take_largest(builder, is_taken);
         const double value = builder->work[index * n + index];

@@ -9,7 +9,8 @@
 #include <stdint.h>
 #include <stdlib.h>
 #include <string.h>
-#include "eigen.h"
+#include "../../lib/modes/eigen.h"
+#include "../../lib/modes/orthogonal.h"
 #include "../../lib/core/linalg.h"
 #include "mass.h"
 #include "../../lib/model/model.h"
@@ -234,39 +235,6 @@ static double random_number(search *search)
 }
 
 /*
- * Number of basis vectors whose scalar products one iteration of a loop computes: these sums do not
- * depend on each other, so that the processor computes them at the same time.
- */
-enum { GROUP = 4 };
-
-/*
- * Make search->next orthogonal to consecutive basis vectors in the scalar product with the mass
- * matrix M. search->mass_next must hold M times `next`.
- *   first  in           index of the first basis vector
- *   count  in           number of basis vectors: 1, or GROUP, whose sums are computed in parallel
- *   part   [count] out  the components that were subtracted
- */
-static void remove_group(search *search, size_t first, size_t count, double *part)
-{
-    const size_t free_dof = search->free_dof;
-    const double *basis = search->basis + first * free_dof;
-    double sum[GROUP] = {0};
-    if (count == GROUP) {
-        for (size_t k = 0; k < free_dof; k++)
-            for (size_t i = 0; i < GROUP; i++)
-                sum[i] += basis[i * free_dof + k] * search->mass_next[k];
-        for (size_t k = 0; k < free_dof; k++)
-            for (size_t i = 0; i < GROUP; i++)
-                search->next[k] -= sum[i] * basis[i * free_dof + k];
-    } else {
-        sum[0] = pzs_linalg_inner(basis, search->mass_next, (uint32_t)free_dof);
-        for (size_t k = 0; k < free_dof; k++)
-            search->next[k] -= sum[0] * basis[k];
-    }
-    memcpy(part, sum, count * sizeof *part);
-}
-
-/*
  * Make search->next orthogonal to the Lanczos basis by two Gram-Schmidt iterations, and append the
  * normalised remainder unless it is a rounding error. search->mass_next must hold the mass matrix
  * times `next`.
@@ -281,14 +249,8 @@ static void append(search *search, double *column)
     for (int pass = 0; pass < 2; pass++) {
         if (pass > 0)
             mass_multiply(&search->mass, &search->model, search->next, 1, search->mass_next);
-        for (size_t first = 0; first < search->made;) {
-            const size_t count = first + GROUP <= search->made ? GROUP : 1;
-            double part[GROUP];
-            remove_group(search, first, count, part);
-            for (size_t i = 0; i < count && column; i++)
-                column[first + i] += part[i];
-            first += count;
-        }
+        pzs_orthogonalise(search->basis, (uint32_t)search->made, free_dof, search->mass_next,
+                          search->next, column);
     }
     /*
      * search->mass_next was computed before the last components along the basis were subtracted
@@ -426,7 +388,8 @@ static void find_ritz(search *search)
                                           2;
             largest = fmax(largest, fabs(search->ritz[i * count + j]));
         }
-    eigen_symmetric(search->ritz, search->turn, count, SWEEPS, PZS_EPSILON * PZS_EPSILON * largest);
+    pzs_eigen_symmetric(search->ritz, search->turn, count, SWEEPS,
+                        PZS_EPSILON * PZS_EPSILON * largest);
     sort_values(search);
 }
 
@@ -604,10 +567,10 @@ static double energy(const search *search, const double *vector)
     const mesh *mesh = search->mass.mesh;
     double sum = 0;
     for (int element = 0; element < mesh->elements; element++) {
-        double local[SHELL_MAX], force[SHELL_MAX];
+        double local[SHELL_MAX];
         pzs_model_gather(&search->model, mesh->element[element], SHELL_NODES, vector, local);
-        pzs_shell_force(&mesh->type[mesh->element_type[element]], mesh->dof_per_node, local, force);
-        sum += pzs_linalg_inner(local, force, (uint32_t)(SHELL_NODES * (size_t)mesh->dof_per_node));
+        sum +=
+            pzs_shell_energy(&mesh->type[mesh->element_type[element]], mesh->dof_per_node, local);
     }
     for (int row = 0; row < mesh->springs.count; row++) {
         const double elongation = springs_elongation(&mesh->springs, row, vector);

@@ -6,7 +6,7 @@
 #include <stdlib.h>
 #include <string.h>
 #include "../model/curves.h"
-#include "../model/eigen.h"
+#include "../../lib/modes/eigen.h"
 
 /* Default range of a reading over what voltages, loads and target can make together. */
 static const double range_margin = 4;
@@ -375,7 +375,7 @@ static size_t find_directions(builder *builder)
                 sum += builder->made[i * columns + k] * builder->made[j * columns + k];
             builder->square[i * n + j] = sum;
         }
-    eigen_symmetric(builder->square, builder->vector, n, SWEEPS, 0);
+    pzs_eigen_symmetric(builder->square, builder->vector, n, SWEEPS, 0);
     const size_t first = largest_diagonal(builder->square, n);
     const double least = builder->square[first * n + first] * least_part * least_part;
     for (size_t k = 0; k < n; k++) {
