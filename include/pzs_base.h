@@ -137,6 +137,12 @@ typedef enum pzs_status {
                     the sensor gate treats it as missing. */
     PZS_W_MODE_COUNT, /* Warning: the vibration modes have converged, but rounding errors are too
                          large to prove by a count that none is missing. */
+    /*
+     * Warning: the measurements contradict the model, and no few wrong sensors explain it. Either
+     * there is a load that the tables do not know, or more sensors are wrong than the sensor gate
+     * can find. The measurements are used as they are; that of sensor info.where contradicts most.
+     */
+    PZS_W_CONTRADICTION,
 
     /*
      * Status codes of errors have values from 64 on: a function that returns one has left its

@@ -725,22 +725,26 @@ typedef struct pzs_sensor_gate_info {
                             sensors than the sensor gate can find */
 } pzs_sensor_gate_info;
 
+#define PZS_SENSOR_GATE_LIMIT 8u /* largest value of pzs_sensor_gate.most */
+
 /* Memory of the sensor gate, the stage of the control tick that takes wrong readings away. */
 typedef struct pzs_sensor_gate_state {
     pzs_sensor_gate_info info;
     const struct pzs_sensor_gate *tables;
-    pzs_real *gated;      /* [sensors] readings; NaN for those that are missing or gated (unit of
-                             each sensor) */
-    pzs_real *residual;   /* [sensors] weighted readings minus their fit by the basis
-                             (dimensionless) */
-    pzs_real *free;       /* [sensors] part of an error of each reading that shows in its residual,
-                             0 to 1 */
-    pzs_real *coordinate; /* [directions] coordinates in the basis */
-    pzs_real *column;     /* [most][sensors] factor of the rows of the excluded sensors, one column
-                             of the factor in each row of this array */
-    uint16_t *distrust;   /* [sensors] number of ticks in which a gated sensor must still agree with
-                             the others; 0: the sensor is trusted */
-    uint8_t *reading;     /* [sensors] state of each reading, a value of pzs_reading_state */
+    pzs_real *gated;   /* [sensors] readings; NaN for those that are missing or gated (unit of each
+                          sensor) */
+    pzs_real *match;   /* [sensors] scalar product of each row of the parity table with `parity` */
+    pzs_real *parity;  /* [relations] values of the parity relations, without what errors of the
+                          excluded sensors explain */
+    pzs_real *column;  /* [most][relations] orthonormal rows of the parity table of the excluded
+                          sensors */
+    pzs_real *factor;  /* [most][most] coefficients of the rows of these sensors in `column` */
+    uint8_t *reading;  /* [sensors] state of each reading, a value of pzs_reading_state */
+    uint16_t suspects; /* number of sensors that are gated, or suspected to be wrong */
+    uint16_t suspect[PZS_SENSOR_GATE_LIMIT];  /* these sensors, the gated ones first */
+    uint16_t distrust[PZS_SENSOR_GATE_LIMIT]; /* number of ticks in which each of them must still
+                             agree with the others; 0: it is only suspected, and its reading is used
+                           */
 } pzs_sensor_gate_state;
 
 typedef struct pzs_modal_gains_state {

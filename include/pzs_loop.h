@@ -478,11 +478,11 @@ extern const pzs_block_type pzs_reading_delay_block;
 
 /*
  * Tables of the sensor gate, which takes away readings that cannot be: those beyond their range,
- * and those that contradict the others. All arrays are const and may stay in flash. Without
- * redundancy (`directions` 0) the gate has ranges only, and the arrays after `range` are NULL.
+ * and those that contradict the others. Readings contradict each other where parity relations are
+ * violated: sums c_1 s_1 + c_2 s_2 + ... over the readings s that are 0 for all readings which
+ * voltages, vibration modes and loads can make. All arrays are const and may stay in flash. Without
+ * redundancy (`relations` 0) the gate has ranges only, and the arrays after `range` are NULL.
  */
-#define PZS_SENSOR_GATE_LIMIT 8u /* largest value of pzs_sensor_gate.most */
-
 typedef struct pzs_sensor_gate {
     uint32_t format, scene; /* format: format number of the tables of the sensor gate; scene: hash
                                of the scene file from which `pzs tables` generated them, equal to
@@ -490,26 +490,30 @@ typedef struct pzs_sensor_gate {
     uint32_t crc;           /* checksum of the tables of the sensor gate and their arrays,
                                computed by pzs_sensor_gate_seal */
     uint16_t sensors;       /* number of readings */
-    uint16_t directions;    /* number of columns of the basis, below that of the sensors */
+    uint16_t relations;     /* number of parity relations, below that of the sensors */
+    uint16_t quick;         /* number of parity relations that every tick computes, from 1; the
+                               others follow only where these show that a sensor may be wrong */
     uint16_t most;          /* largest number of sensors that are gated (found wrong) or missing
-                               at once; if more are missing, the sensor gate compares no
-                               readings */
+                               at once, at most `relations`; if more are missing, the sensor gate
+                               compares no readings */
     uint16_t patience;      /* number of ticks in which a gated sensor must agree with the others
                                until it is trusted again, from 1 */
-    uint16_t replaces; /* 1: the fit to the other readings replaces gated and missing ones, where
-                          these are not more than `most`; 0: they become NaN */
+    uint16_t replaces; /* 1: the parity relations determine gated and missing readings, where these
+                          are not more than `most`; 0: they become NaN */
     const pzs_real *range;  /* [sensors] largest believable size of each reading, above 0 (unit of
                                the sensor) */
-    const pzs_real *weight; /* [sensors] weight of each reading, such as the reciprocal of its
-                               noise, above 0 (1 / unit of the sensor) */
-    const pzs_real *basis;  /* [sensors][directions] orthonormal columns Q that span the weighted
-                               readings which voltages, vibration modes and loads can make */
-    const pzs_real *free;   /* [sensors] 1 - |Q_i|^2, with row i of the basis: part of an error of
-                               each reading that shows in its residual */
-    const pzs_real *threshold; /* [sensors] smallest weighted error for which a sensor is gated,
-                                  above 0; infinity: the sensor is never gated */
-    pzs_real ratio;            /* smallest ratio of the error of a gated sensor to the largest
-                                  residual that is left, from 1 */
+    const pzs_real *parity; /* [sensors][relations] coefficients of the parity relations
+                               (columns), for each reading (1 / unit of the sensor) */
+    const pzs_real *scale;  /* [sensors] 1 / norm of each row of `parity` (unit of the sensor);
+                               0: the sensor is never gated */
+    const pzs_real *threshold; /* [sensors] smallest error of each reading for which the sensor is
+                                  gated, above 0 (unit of the sensor) */
+    pzs_real quiet; /* norm of the values of the first `quick` relations below which no single
+                       sensor can be suspected: at most the threshold of each sensor times the norm
+                       of these entries of its row of `parity` */
+    pzs_real ratio; /* smallest ratio of what the error of a gated sensor adds to the parity
+                       relations to what remains in them without the gated sensors (norms), from 1
+                     */
 } pzs_sensor_gate;
 
 /*
@@ -524,17 +528,19 @@ pzs_status pzs_sensor_gate_seal(pzs_sensor_gate *tables);
  * of blocks it comes before all others that use readings. Tables: pzs_sensor_gate. Memory returned
  * by pzs_loop_find: pzs_sensor_gate_state, whose member `info` tells which readings are gated.
  * Warnings of its tick: PZS_W_GATED, info.where of the loop = first gated reading; without one
+ * PZS_W_CONTRADICTION, info.where = the sensor that would explain most of it, and without that
  * PZS_W_SENSOR, info.where = first missing reading, if the gate has replaced a missing one.
  * Errors of its initialisation: PZS_E_FORMAT, PZS_E_CRC, PZS_E_NONFINITE, and PZS_E_ARGUMENT (also
- * for tables of other sizes; for a range, weight or threshold that is not above 0, info.where = the
- * sensor).
+ * for tables of other sizes; for a range or threshold that is not above 0, or a scale below 0,
+ * info.where = the sensor).
  */
 extern const pzs_block_type pzs_sensor_gate_block;
-#define PZS_SENSOR_GATE_BLOCK_BYTES(sensors, directions, most)                                     \
+#define PZS_SENSOR_GATE_BLOCK_BYTES(sensors, relations, most)                                      \
     PZS_ALIGNED(PZS_ALIGNED(sizeof(pzs_sensor_gate_state)) +                                       \
-                ((3u + (size_t)(most)) * PZS_FOURS(sensors) + PZS_FOURS(directions)) *             \
+                (2u * PZS_FOURS(sensors) + (1u + (size_t)(most)) * PZS_FOURS(relations) +          \
+                 PZS_FOURS((size_t)(most) * (most))) *                                             \
                     sizeof(pzs_real) +                                                             \
-                3u * PZS_FOURS(sensors))
+                PZS_FOURS(sensors))
 
 /* ---- gains and leaks of modes (lib/control/modal_gains.c) ----------------- */
 

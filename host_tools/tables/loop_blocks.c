@@ -448,35 +448,34 @@ static void write_known(emitter *emitter, const loop_blocks *blocks)
 static void write_gate(emitter *emitter, const loop_blocks *blocks)
 {
     const pzs_sensor_gate *tables = &blocks->gate->tables;
-    const size_t judged = tables->directions > 0 ? tables->sensors : 0;
-    const uint16_t counts[5] = {tables->sensors, tables->directions, tables->most, tables->patience,
-                                tables->replaces};
-    static const char *const name[] = {"gate_weight", "gate_basis", "gate_free", "gate_threshold"};
-    fprintf(emitter->file, "#define %s_GATE_DIRECTIONS %u\n#define %s_GATE_MOST %u\n",
-            emitter->upper, tables->directions, emitter->upper, tables->most);
+    const size_t judged = tables->relations > 0 ? tables->sensors : 0;
+    const uint16_t counts[6] = {tables->sensors, tables->relations, tables->quick,
+                                tables->most,    tables->patience,  tables->replaces};
+    static const char *const name[] = {"gate_parity", "gate_scale", "gate_threshold"};
+    fprintf(emitter->file, "#define %s_GATE_RELATIONS %u\n#define %s_GATE_MOST %u\n",
+            emitter->upper, tables->relations, emitter->upper, tables->most);
     emitter->crc32 = pzs_guard_crc(GUARD_CRC_START, counts, sizeof counts);
     emit_reals(emitter, "range", tables->range, tables->sensors,
                "largest believable size of each reading");
     if (judged > 0) {
-        emit_reals(emitter, name[0], tables->weight, judged, "weight of each reading");
-        emit_reals(emitter, name[1], tables->basis, judged * tables->directions,
-                   "orthonormal basis (columns) of the weighted readings (rows) that voltages, "
-                   "modes and loads can make");
-        emit_reals(emitter, name[2], tables->free, judged,
-                   "part of an error of each reading that shows in its residual");
-        emit_reals(emitter, name[3], tables->threshold, judged,
-                   "smallest weighted error of each reading that is gated");
+        emit_reals(emitter, name[0], tables->parity, judged * tables->relations,
+                   "parity relations (columns): sums over the readings (rows) that are 0 for all "
+                   "that voltages, modes and loads can make");
+        emit_reals(emitter, name[1], tables->scale, judged,
+                   "1 / norm of each row of the parity relations; 0: the sensor is never gated");
+        emit_reals(emitter, name[2], tables->threshold, judged,
+                   "smallest error of each reading that is gated");
     }
-    emitter->crc32 = emit_crc_reals(emitter->crc32, &tables->ratio, 1);
+    emitter->crc32 = emit_crc_reals(emitter->crc32, &tables->quiet, 2);
     emit_begin(emitter, "sensor_gate", "sensor_gate", tables->scene, tables->crc);
-    fprintf(emitter->file, " %u, %u, %u, %u, %u,\n    %s_range,", counts[0], counts[1], counts[2],
-            counts[3], counts[4], emitter->prefix);
+    fprintf(emitter->file, " %u, %u, %u, %u, %u, %u,\n    %s_range,", counts[0], counts[1],
+            counts[2], counts[3], counts[4], counts[5], emitter->prefix);
     for (size_t i = 0; i < sizeof name / sizeof *name; i++)
         if (judged > 0)
             fprintf(emitter->file, " %s_%s,", emitter->prefix, name[i]);
         else
             fputs(" NULL,", emitter->file);
-    fprintf(emitter->file, " PZS_R(%.17g)\n};\n", tables->ratio);
+    fprintf(emitter->file, " PZS_R(%.17g), PZS_R(%.17g)\n};\n", tables->quiet, tables->ratio);
 }
 
 static void write_governor(emitter *emitter, const loop_blocks *blocks)
@@ -730,7 +729,7 @@ BLOCK_BYTES(loop, PZS_LOOP_BYTES(0, of->inputs))
 BLOCK_BYTES(selftest, PZS_SELFTEST_BLOCK_BYTES(of->inputs, of->readings))
 BLOCK_BYTES(reading_delay, PZS_READING_DELAY_BLOCK_BYTES(of->inputs, of->readings, of->delay))
 BLOCK_BYTES(sensor_gate,
-            PZS_SENSOR_GATE_BLOCK_BYTES(of->readings, of->gate_directions, of->gate_most))
+            PZS_SENSOR_GATE_BLOCK_BYTES(of->readings, of->gate_relations, of->gate_most))
 BLOCK_BYTES(feed_forward, PZS_FEED_FORWARD_BLOCK_BYTES(of->readings, of->outputs))
 BLOCK_BYTES(governor, PZS_GOVERNOR_BLOCK_BYTES(of->inputs, of->outputs))
 BLOCK_BYTES(modal_gains, PZS_MODAL_GAINS_BLOCK_BYTES(of->inputs, of->gain_modes))
@@ -906,7 +905,7 @@ static size_t count_row_entries(const loop_blocks *blocks)
 /* Return the tables of the sensor gate, with all sizes 0 where the loop has none. */
 static pzs_sensor_gate gate_sizes(const loop_blocks *blocks)
 {
-    const pzs_sensor_gate none = {.directions = 0};
+    const pzs_sensor_gate none = {.relations = 0};
     return has_gate(blocks) ? blocks->gate->tables : none;
 }
 
@@ -927,7 +926,8 @@ static block_counts count(const loop_blocks *blocks)
         .creeps = blocks->compensation.tables.creeps,
         .loads = loop_feeds(blocks->design) ? blocks->estimator->shape_table.inputs : 0,
         .entries = entries,
-        .gate_directions = gate.directions,
+        .gate_relations = gate.relations,
+        .gate_quick = gate.quick,
         .gate_most = gate.most,
         .has_gains = has_modal_gains(blocks),
         .gain_modes = blocks->design->gains.tables.modes,

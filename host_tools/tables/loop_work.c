@@ -93,20 +93,18 @@ double loop_work_delay(const block_counts *of, const loop_processor *on)
 }
 
 /*
- * Upper bound of the instructions of the sensor gate: residuals of all readings, and for each
- * sensor that is left out of the fit a row of the projector, its parts along the rows before, and a
- * search for the next suspect.
+ * Upper bound of the instructions of the sensor gate: values of the parity relations, search for
+ * the next suspect, and errors of all sensors that are missing, gated or suspected.
  */
 double loop_work_gate(const block_counts *of, const loop_processor *on)
 {
-    const size_t sensors = of->readings, directions = of->gate_directions;
+    const size_t sensors = of->readings, relations = of->gate_relations;
     const double most = (double)of->gate_most, readings = (double)sensors;
-    if (directions == 0)
+    if (relations == 0)
         return on->other * (30 * readings + 200);
-    const double row = product(on, sensors, directions) +
-                       on->other * ((50 + 4 * most) * readings + 8 * (double)directions + 400);
-    return 2 * product(on, sensors, directions) + most * row +
-           on->other * (90 * readings + 8 * (double)directions + 800);
+    const double errors = most * (most + 3) * (8 * (double)relations + 80);
+    return product(on, sensors, of->gate_quick) + product(on, sensors, relations - of->gate_quick) +
+           product(on, sensors, relations) + on->other * (46 * readings + errors + 900);
 }
 
 double loop_work_feed_forward(const block_counts *of, const loop_processor *on)

@@ -28,10 +28,11 @@ typedef struct block_counts {
     size_t row_entries; /* number of coefficients in all limits of sums of voltages */
     size_t entries; /* number of entries of the influence matrix in the tables, if it is stored as
                    sparse rows; 0: it is stored as a full matrix */
-    size_t gate_directions, gate_most; /* columns of the sensor gate's basis, and largest number of
-                                          sensors that it leaves out of a fit */
-    bool has_gains; /* whether modes (patterns of voltages) have a gain and a leak of their own in
-                       the loop */
+    size_t gate_relations, gate_quick; /* number of parity relations of the sensor gate, and of
+                                          those among them that every tick computes */
+    size_t gate_most; /* largest number of sensors whose errors the sensor gate estimates */
+    bool has_gains;   /* whether modes (patterns of voltages) have a gain and a leak of their own in
+                         the loop */
     size_t gain_modes;   /* number of modes (patterns of voltages) with gains and leaks of their own
                           */
     bool has_other_leak; /* whether a tick also removes a part (leak) of the voltages outside the

@@ -10,31 +10,39 @@
 
 /* Default range of a reading over what voltages, loads and target can make together. */
 static const double range_margin = 4;
-/* Range of a reading for which nothing tells how large it may be. */
-static const double no_range = 1e30;
 /* Threshold that no error of a reading reaches. */
 static const double never = 1e30;
 /* Part of the target by which an error that is not found may move the shape. */
 static const double harmless = 0.02;
-/* Ratio of the error of a gated sensor to the largest residual that is left (pzs_sensor_gate). */
+/* Ratio of the error of a gated sensor to what remains without it (pzs_sensor_gate). */
 static const double ratio = 10;
 /* Noise below which no error is found, in standard deviations. */
 static const double noise_margin = 8;
-/* Margin of thresholds above the largest residuals that the directions left out can make. */
+/* Margin of thresholds above the largest errors that the directions left out can feign. */
 static const double left_margin = 1.25;
 /*
- * Smallest part of an error that must show in the residual of its reading for the sensor to be
- * judged; the library asks for 0.05.
+ * Smallest part of an error outside the span of the basis (its square, of 1) for the sensor to be
+ * judged. Where it is smaller, the other sensors hardly determine the reading.
  */
 static const double least_free = 0.08;
 /* Columns whose part outside the earlier ones is smaller than this part of them are left out. */
 static const double least_part = 1e-9;
+/* Multiply-adds that the choice of the parity relations may take, roughly. */
+static const double most_work = 3e7;
+/* Margin of the limit `quiet` for the rounding of single precision. */
+static const double rounding = 1e-5;
 /* Part of its range from which on an error must be found for a sensor to be judged. */
 static const double useful = 0.5;
 
 enum {
     SWEEPS = 30,
-    SPARE = 3,          /* fewest residual dimensions that tell which sensor is wrong */
+    RELATIONS = 32,     /* largest number of parity relations. More of them make a tick longer; with
+                           12 of them one of three sets of three wrong sensors is found */
+    QUICK = 12,         /* number of them that every tick computes */
+    TRIALS = 64,        /* number of random sets of parity relations from which one is chosen */
+    FEW_TRIALS = 4,     /* the same number while the directions are chosen, and its least value
+                           with many sensors */
+    SPARE = 3,          /* fewest parity relations for each sensor that is found wrong */
     MOST = 4,           /* largest number of sensors to be gated or missing at once */
     LEAST_PATIENCE = 64 /* fewest ticks until a gated sensor is trusted again */
 };
@@ -50,11 +58,18 @@ typedef struct builder {
     bool is_few;  /* whether the sensors are those of the estimator */
     double unit;
     size_t sensors, outputs, amplifiers, loads, modes, frees, columns;
-    double *range, *weight, *threshold, *free; /* [sensors] tables */
+    size_t relations;          /* number of parity relations */
+    double *range, *threshold; /* [sensors] tables; thresholds of weighted errors */
+    double *weight;            /* [sensors] weight of each reading: the reciprocal of its noise */
+    double *free;  /* [sensors] part of a weighted error outside the span of the basis, squared */
+    double *shown; /* [sensors] square of each row of `parity` */
     double *noise; /* [sensors] standard deviation of each weighted reading */
     double *harm;  /* [sensors] motion of the shape by a weighted error of 1, in units of `unit` */
     double *made;  /* [sensors][columns] weighted readings that each cause can make at most */
-    double *left;  /* [sensors][columns] part of `made` outside the basis */
+    double *work;  /* [sensors][columns] work array */
+    double *parity, *trial; /* [sensors][RELATIONS] orthonormal parity relations (columns) of the
+                               weighted readings: the chosen ones, and those on trial */
+    double *left;  /* [columns][RELATIONS] what each column of `made` adds to the relations */
     double *basis; /* [sensors][sensors] orthonormal basis of the readings that voltages,
                       modes and loads can make, by columns: the strongest first */
     double *square, *vector; /* [sensors][sensors] work arrays of the eigenvalue problem */
@@ -89,7 +104,11 @@ static bool take_memory(builder *builder, double **work)
                          {&builder->harm, sensors},
                          {&builder->certain, sensors},
                          {&builder->made, sensors * columns},
-                         {&builder->left, sensors * columns},
+                         {&builder->work, sensors * columns},
+                         {&builder->shown, sensors},
+                         {&builder->parity, sensors * RELATIONS},
+                         {&builder->trial, sensors * RELATIONS},
+                         {&builder->left, columns * RELATIONS},
                          {&builder->basis, sensors * sensors},
                          {&builder->square, sensors * sensors},
                          {&builder->vector, sensors * sensors},
@@ -239,7 +258,7 @@ static void fill_ranges(builder *builder)
         for (size_t j = 0; j < builder->sensors; j++)
             if (are_alike(builder, i, j))
                 reach = fmax(reach, reach_of(builder, j));
-        builder->range[i] = has_default && reach > 0 ? range_margin * reach : no_range;
+        builder->range[i] = has_default && reach > 0 ? range_margin * reach : SENSOR_GATE_NO_RANGE;
         if (given_range(builder, i) > 0)
             builder->range[i] = given_range(builder, i);
     }
@@ -395,72 +414,217 @@ static size_t find_directions(builder *builder)
 static size_t find_span(builder *builder)
 {
     const size_t columns = builder->columns;
-    memcpy(builder->left, builder->made, builder->sensors * columns * sizeof *builder->left);
-    const size_t found = orthonormalise(builder->left, builder->sensors, columns, columns);
+    memcpy(builder->work, builder->made, builder->sensors * columns * sizeof *builder->work);
+    const size_t found = orthonormalise(builder->work, builder->sensors, columns, columns);
     for (size_t i = 0; i < builder->sensors && found < builder->sensors; i++)
         for (size_t k = 0; k < found; k++)
-            builder->basis[i * builder->sensors + k] = builder->left[i * columns + k];
-    memset(builder->left, 0, builder->sensors * columns * sizeof *builder->left);
+            builder->basis[i * builder->sensors + k] = builder->work[i * columns + k];
     return found;
 }
 
-/* Take the part along one column of the basis out of `left`, and out of `free`. */
-static void remove_direction(builder *builder, size_t direction)
+/* ---- parity relations --------------------------------------------------- */
+
+/* Next random number, +1 or -1 (splitmix64). */
+static double random_sign(uint64_t *state)
 {
-    const size_t n = builder->sensors, columns = builder->columns;
-    for (size_t k = 0; k < columns; k++) {
+    uint64_t bits = *state += 0x9e3779b97f4a7c15u;
+    bits = (bits ^ (bits >> 30)) * 0xbf58476d1ce4e5b9u;
+    bits = (bits ^ (bits >> 27)) * 0x94d049bb133111ebu;
+    return (bits >> 63) != 0 ? 1 : -1;
+}
+
+/* Take the part in the span of the first `directions` columns of the basis out of a column. */
+static void leave_span(const builder *builder, size_t directions, double *column, size_t stride)
+{
+    const size_t n = builder->sensors;
+    for (size_t k = 0; k < directions; k++) {
         double product = 0;
         for (size_t i = 0; i < n; i++)
-            product += builder->basis[i * n + direction] * builder->left[i * columns + k];
+            product += builder->basis[i * n + k] * column[i * stride];
         for (size_t i = 0; i < n; i++)
-            builder->left[i * columns + k] -= builder->basis[i * n + direction] * product;
+            column[i * stride] -= product * builder->basis[i * n + k];
     }
 }
+
+/* Fill `trial` with random orthonormal columns outside the span. Returns their number. */
+static size_t draw_relations(builder *builder, size_t directions, uint64_t *random)
+{
+    const size_t spare = builder->sensors - directions,
+                 wanted = spare < RELATIONS ? spare : RELATIONS;
+    for (size_t k = 0; k < wanted; k++) {
+        for (size_t i = 0; i < builder->sensors; i++)
+            builder->trial[i * RELATIONS + k] = random_sign(random);
+        for (int again = 0; again < 2; again++)
+            leave_span(builder, directions, builder->trial + k, RELATIONS);
+    }
+    return orthonormalise(builder->trial, builder->sensors, wanted, RELATIONS);
+}
+
+static double row_product(const double *parity, size_t relations, size_t one, size_t other)
+{
+    double product = 0;
+    for (size_t k = 0; k < relations; k++)
+        product += parity[one * RELATIONS + k] * parity[other * RELATIONS + k];
+    return product;
+}
+
+/*
+ * Smallest square of the part of a row of `trial` that lies outside another row, of sensors that
+ * the others determine: how well the relations tell one wrong sensor from another.
+ */
+static double trial_quality(builder *builder, size_t relations)
+{
+    const size_t n = builder->sensors;
+    double worst = HUGE_VAL;
+    for (size_t i = 0; i < n; i++)
+        builder->shown[i] = row_product(builder->trial, relations, i, i);
+    for (size_t i = 0; i < n; i++)
+        for (size_t j = 0; j < i && builder->free[i] >= least_free; j++) {
+            const double larger = fmax(builder->shown[i], builder->shown[j]);
+            if (builder->free[j] < least_free)
+                continue;
+            const double common = row_product(builder->trial, relations, i, j);
+            worst =
+                fmin(worst, fmin(builder->shown[i], builder->shown[j]) - common * common / larger);
+        }
+    return worst;
+}
+
+/* Fill `left` and `shown` for the chosen relations. */
+static void fill_left(builder *builder)
+{
+    for (size_t c = 0; c < builder->columns; c++)
+        for (size_t k = 0; k < builder->relations; k++) {
+            double sum = 0;
+            for (size_t i = 0; i < builder->sensors; i++)
+                sum += builder->parity[i * RELATIONS + k] * builder->made[i * builder->columns + c];
+            builder->left[c * RELATIONS + k] = sum;
+        }
+    for (size_t i = 0; i < builder->sensors; i++)
+        builder->shown[i] = row_product(builder->parity, builder->relations, i, i);
+}
+
+/* Smallest square of the row of a sensor in the relations chosen so far and relation k. */
+static double least_seen(const builder *builder, const double *seen, size_t k)
+{
+    double least = HUGE_VAL;
+    for (size_t i = 0; i < builder->sensors; i++)
+        if (builder->free[i] >= least_free)
+            least = fmin(least, seen[i] + pow(builder->parity[i * RELATIONS + k], 2));
+    return least;
+}
+
+/*
+ * Move the relations to the front that together see each sensor best, one after the other: those of
+ * every tick.
+ */
+static void order_relations(builder *builder)
+{
+    const size_t n = builder->sensors;
+    double *seen = builder->trial;
+    memset(seen, 0, n * sizeof *seen);
+    for (size_t first = 0; first < QUICK && first < builder->relations; first++) {
+        size_t best = first;
+        double most = -1;
+        for (size_t k = first; k < builder->relations; k++) {
+            const double least = least_seen(builder, seen, k);
+            best = least > most ? k : best;
+            most = fmax(most, least);
+        }
+        for (size_t i = 0; i < n; i++) {
+            double *row = builder->parity + i * RELATIONS, kept = row[first];
+            row[first] = row[best];
+            row[best] = kept;
+            seen[i] += row[first] * row[first];
+        }
+    }
+}
+
+/* Choose the best of a number of random sets of relations outside the span of the basis. */
+static void choose_relations(builder *builder, size_t directions, int trials)
+{
+    const size_t n = builder->sensors;
+    uint64_t random = 1;
+    double best = -1;
+    builder->relations = 0;
+    for (size_t i = 0; i < n; i++) {
+        builder->free[i] = 1;
+        for (size_t k = 0; k < directions; k++)
+            builder->free[i] -= pow(builder->basis[i * n + k], 2);
+    }
+    for (int trial = 0; trial < trials; trial++) {
+        const size_t relations = draw_relations(builder, directions, &random);
+        const double quality = trial_quality(builder, relations);
+        if (!(quality > best))
+            continue;
+        best = quality;
+        builder->relations = relations;
+        memcpy(builder->parity, builder->trial, n * RELATIONS * sizeof *builder->parity);
+    }
+    order_relations(builder);
+    fill_left(builder);
+}
+
+/* ---- thresholds ----------------------------------------------------------- */
 
 /* What a number of basis columns can find. */
 typedef struct sight {
     size_t directions;
-    bool is_whole; /* whether the basis of the sensor gate spans all readings that voltages, modes
-                      and loads can make */
+    bool is_whole; /* whether the basis spans all readings that voltages, modes and loads can make
+                    */
     int judged;
     double certain, moved;
 } sight;
 
-/* Largest sum of what the causes leave in the residual of a sensor. */
-static double left_of(const builder *builder, size_t sensor)
+/* Largest error of a sensor that all columns of `made` together can feign. */
+static double feigned(const builder *builder, size_t sensor)
 {
     double sum = 0;
-    for (size_t k = 0; k < builder->columns; k++)
-        sum += fabs(builder->left[sensor * builder->columns + k]);
-    return sum;
+    for (size_t c = 0; c < builder->columns; c++) {
+        double product = 0;
+        for (size_t k = 0; k < builder->relations; k++)
+            product += builder->parity[sensor * RELATIONS + k] * builder->left[c * RELATIONS + k];
+        sum += fabs(product);
+    }
+    return sum / builder->shown[sensor];
+}
+
+/* Largest norm of the values of the relations that all columns of `made` and noise make. */
+static double largest_norm(const builder *builder)
+{
+    double sum = 0, noise = 0;
+    for (size_t c = 0; c < builder->columns; c++)
+        sum += norm_of(builder->left + c * RELATIONS, builder->relations, 1);
+    for (size_t i = 0; i < builder->sensors; i++)
+        noise = fmax(noise, builder->noise[i]);
+    return sum + noise_margin / 2 * noise * sqrt((double)builder->relations);
+}
+
+/* Whether the other sensors determine a reading well enough. */
+static bool is_determined(const builder *builder, size_t sensor, size_t directions)
+{
+    const double part = (double)builder->relations / (double)(builder->sensors - directions);
+    return builder->free[sensor] >= least_free && builder->shown[sensor] >= least_free * part;
 }
 
 /*
  * Set the thresholds for a number of basis columns, and judge what they find. An error is found for
- * certain if it exceeds its threshold, and `ratio` times the largest residual of the others, by
+ * certain if it exceeds its threshold, and `ratio` times what all else can add to the relations, by
  * what the causes and the noise may take from it.
  */
-static sight judge(builder *builder, size_t directions)
+static sight judge(builder *builder, size_t directions, bool is_whole)
 {
-    sight sight = {.directions = directions};
-    double others = 0;
+    sight sight = {.directions = directions, .is_whole = is_whole};
+    const double others = largest_norm(builder);
     for (size_t i = 0; i < builder->sensors; i++) {
-        double *free = &builder->free[i];
-        *free = 1;
-        for (size_t k = 0; k < directions; k++)
-            *free -= pow(builder->basis[i * builder->sensors + k], 2);
-        if (*free >= least_free)
-            others = fmax(others,
-                          left_of(builder, i) / sqrt(*free) + noise_margin / 2 * builder->noise[i]);
-    }
-    for (size_t i = 0; i < builder->sensors; i++) {
-        const double free = fmax(builder->free[i], least_free);
-        const double left = left_of(builder, i) / free, noise = builder->noise[i] / sqrt(free);
+        const double shown = sqrt(fmax(builder->shown[i], 1e-30));
+        const double left = feigned(builder, i), noise = builder->noise[i] / shown;
         const double small = harmless / fmax(builder->harm[i], harmless / never);
         const double least = fmax(fmax(small, noise_margin * noise), left_margin * left);
-        const double certain = fmax(least, ratio * others) + left + noise_margin / 2 * noise;
+        const double certain =
+            fmax(least, ratio * others / shown) + left + noise_margin / 2 * noise;
         const double range = builder->range[i] * builder->weight[i];
-        const bool is_judged = builder->free[i] >= least_free && certain < useful * range;
+        const bool is_judged = is_determined(builder, i, directions) && certain < useful * range;
         builder->threshold[i] = is_judged ? least : never;
         sight.judged += is_judged;
         sight.certain = fmax(sight.certain, is_judged ? certain / range : 0);
@@ -476,42 +640,60 @@ static bool is_better(const sight *one, const sight *other)
            (one->judged == other->judged && one->moved < other->moved);
 }
 
+/* Number of random sets of relations that are tried, fewer with many sensors. */
+static int trials_of(const builder *builder)
+{
+    const double each = (double)builder->sensors * (double)builder->sensors * RELATIONS;
+    return (int)fmin(fmax(most_work / each, FEW_TRIALS), TRIALS);
+}
+
 /*
- * Choose the basis. Where twice as many sensors as causes are there, the basis spans all causes;
- * otherwise the number of principal directions is chosen with which most sensors are judged, and
- * with which an error that is not found moves the shape least.
+ * Choose basis and parity relations. Where twice as many sensors as causes are there, the basis
+ * spans all causes; otherwise the number of principal directions is chosen with which most sensors
+ * are judged, and with which an error that is not found moves the shape least.
  */
 static sight choose_basis(builder *builder)
 {
     const size_t n = builder->sensors;
     if (n >= 2 * builder->columns) {
-        sight whole = judge(builder, find_span(builder));
-        whole.is_whole = true;
-        return whole;
+        const size_t directions = find_span(builder);
+        choose_relations(builder, directions, trials_of(builder));
+        return judge(builder, directions, true);
     }
     sight best = {.judged = -1};
     const size_t found = builder->is_bounded ? find_directions(builder) : 0;
-    memcpy(builder->left, builder->made, n * builder->columns * sizeof *builder->left);
     for (size_t r = 1; r <= found && r + SPARE <= n; r++) {
-        remove_direction(builder, r - 1);
-        const sight sight = judge(builder, r);
+        choose_relations(builder, r, FEW_TRIALS);
+        const sight sight = judge(builder, r, r == found);
         best = is_better(&sight, &best) ? sight : best;
     }
-    memcpy(builder->left, builder->made, n * builder->columns * sizeof *builder->left);
-    for (size_t r = 0; r < best.directions; r++)
-        remove_direction(builder, r);
-    best = judge(builder, best.directions);
-    best.is_whole = best.directions == found;
-    return best;
+    choose_relations(builder, best.directions, trials_of(builder));
+    return judge(builder, best.directions, best.directions == found);
 }
 
 /* ---- tables --------------------------------------------------------------- */
 
-/* Copy the basis, row by row, into its final array. */
-static void pack_basis(double *to, const builder *builder, size_t directions)
+static size_t quick_of(const builder *builder)
 {
-    for (size_t i = 0; i < builder->sensors; i++)
-        memcpy(to + i * directions, builder->basis + i * builder->sensors, directions * sizeof *to);
+    return builder->relations < QUICK ? builder->relations : QUICK;
+}
+
+/* Fill the tables of the redundancy, in the units of the sensors. Returns `quiet`. */
+static double fill_parity(const builder *builder, double *parity, double *scale, double *threshold)
+{
+    const size_t relations = builder->relations, quick = quick_of(builder);
+    double quiet = HUGE_VAL;
+    for (size_t i = 0; i < builder->sensors; i++) {
+        const double weight = builder->weight[i], shown = sqrt(builder->shown[i]);
+        const bool is_judged = builder->threshold[i] < never;
+        for (size_t k = 0; k < relations; k++)
+            parity[i * relations + k] = weight * builder->parity[i * RELATIONS + k];
+        scale[i] = is_judged ? 1 / (weight * shown) : 0;
+        threshold[i] = is_judged ? builder->threshold[i] / weight : never;
+        const double seen = sqrt(row_product(builder->parity, quick, i, i));
+        quiet = is_judged ? fmin(quiet, builder->threshold[i] * seen) : quiet;
+    }
+    return (1 - rounding) * quiet;
 }
 
 static uint16_t patience_of(const builder *builder)
@@ -522,39 +704,36 @@ static uint16_t patience_of(const builder *builder)
     return (uint16_t)fmin(fmax(LEAST_PATIENCE, ceil(period)), 60000);
 }
 
-static uint16_t most_of(const builder *builder, size_t directions)
+static uint16_t most_of(const builder *builder)
 {
-    const size_t most = (builder->sensors - directions) / SPARE;
+    const size_t most = builder->relations / SPARE;
     return (uint16_t)(most < MOST ? most : MOST);
 }
 
 static bool pack(builder *builder, const sight *sight)
 {
     sensor_gate *gate = builder->gate;
-    const size_t sensors = builder->sensors, directions = sight->judged > 0 ? sight->directions : 0;
-    double *at = gate->memory = calloc(4 * sensors + sensors * directions + 1, sizeof *at);
+    const size_t sensors = builder->sensors, relations = sight->judged > 0 ? builder->relations : 0;
+    double *at = gate->memory = calloc(3 * sensors + sensors * relations + 1, sizeof *at);
     if (!at)
         return false;
     memcpy(at, builder->range, sensors * sizeof *at);
-    memcpy(at + sensors, builder->weight, sensors * sizeof *at);
-    memcpy(at + 2 * sensors, builder->free, sensors * sizeof *at);
-    memcpy(at + 3 * sensors, builder->threshold, sensors * sizeof *at);
-    pack_basis(at + 4 * sensors, builder, directions);
     gate->tables = (pzs_sensor_gate){.scene = builder->design->problem.scene,
                                      .sensors = (uint16_t)sensors,
-                                     .directions = (uint16_t)directions,
+                                     .relations = (uint16_t)relations,
                                      .range = at};
-    if (directions > 0) {
-        gate->tables.most = most_of(builder, directions);
+    if (relations > 0) {
+        gate->tables.quick = (uint16_t)quick_of(builder);
+        gate->tables.most = most_of(builder);
         gate->tables.patience = patience_of(builder);
         gate->tables.replaces = sight->is_whole;
-        gate->tables.weight = at + sensors;
-        gate->tables.free = at + 2 * sensors;
-        gate->tables.threshold = at + 3 * sensors;
-        gate->tables.basis = at + 4 * sensors;
+        gate->tables.scale = at + sensors;
+        gate->tables.threshold = at + 2 * sensors;
+        gate->tables.parity = at + 3 * sensors;
         gate->tables.ratio = ratio;
+        gate->tables.quiet = fill_parity(builder, at + 3 * sensors, at + sensors, at + 2 * sensors);
     }
-    gate->judged = directions > 0 ? sight->judged : 0;
+    gate->judged = relations > 0 ? sight->judged : 0;
     gate->certain = sight->certain;
     gate->moved = sight->moved;
     (void)pzs_sensor_gate_seal(&gate->tables);
@@ -621,7 +800,7 @@ bool sensor_gate_open(sensor_gate *gate, const analysis *analysis, const estimat
 void sensor_gate_text(const sensor_gate *gate, char text[SCENE_ERROR])
 {
     const pzs_sensor_gate *tables = &gate->tables;
-    double least = no_range, most = 0;
+    double least = SENSOR_GATE_NO_RANGE, most = 0;
     for (size_t i = 0; i < tables->sensors; i++) {
         least = fmin(least, tables->range[i]);
         most = fmax(most, tables->range[i]);

@@ -1,18 +1,23 @@
 /* SPDX-License-Identifier: BSD-2-Clause */
 /*
- * Tables of the sensor gate (pzs_sensor_gate): ranges of the readings, and the directions that
- * voltages, observed vibration modes and loads of the scene can make in all readings together.
+ * Tables of the sensor gate (pzs_sensor_gate): ranges of the readings, and parity relations, sums
+ * over all readings that are 0 for what voltages, observed vibration modes and loads of the scene
+ * can make together.
  *
- * Where the sensors outnumber these directions, the basis spans all of them, and a healthy loop
- * leaves no residual. Otherwise the basis has those directions in which the readings move most, as
+ * Where the sensors outnumber these causes twice, the relations hold for all of them, and a healthy
+ * loop violates none. Otherwise they hold for those directions in which the readings move most, as
  * many as make the errors that the gate may miss least harmful; thresholds are then above what the
- * other directions can leave at the limits of the voltages.
+ * other directions can feign at the limits of the voltages. Of all relations, random sums are
+ * taken: what a load that the scene does not name adds to them hardly ever looks like one sensor.
  */
 #ifndef SENSOR_GATE_H
 #define SENSOR_GATE_H
 
 #include "../model/damper.h"
 #include "../model/estimator.h"
+
+/* Range of a reading for which nothing tells how large it may be. */
+#define SENSOR_GATE_NO_RANGE 1e30
 
 typedef struct sensor_gate {
     bool is_used;   /* true where the scene asks for a sensor gate or states a range */

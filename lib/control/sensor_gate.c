@@ -3,23 +3,25 @@
  * Sensor gate: readings that cannot be become missing readings before any other block sees them.
  *
  *   - Range: a reading whose size exceeds its range is missing in this tick.
- *   - Redundancy: an orthonormal basis Q spans all readings that voltages, observed vibration modes
- *     and loads of the scene can make. What a wrong reading adds lies outside. The residuals
- *         r = (1 - Q Q') w s        (w s: readings, each times its weight)
- *     are zero but for noise and for what the model leaves out. While the largest of
- *     |r_i| / root(1 - |Q_i|^2) is large enough, sensor i is excluded, and the residuals and the
- *     errors of the excluded sensors are those of the least-squares fit to the other sensors.
+ *   - Redundancy: parity relations are sums over all readings that are zero for whatever voltages,
+ *     observed vibration modes and loads of the scene make of them. Their values y are zero but for
+ *     noise and for what the model leaves out. An error e_i of reading i adds e_i P_i to them, with
+ *     row i of the parity table P.
  *
- * Sensors are gated only if that explains the readings: the error of each exceeds its threshold and
- * `ratio` times the largest residual that is left. An unknown load also leaves residuals, but in
- * the neighbours of each sensor, too, so that no few sensors explain them.
+ * Sensors are gated only if their errors explain y: the error of each exceeds its threshold, and
+ * |e_i P_i| is `ratio` times the norm of what the least-squares fit of the errors leaves of y. An
+ * unknown load also violates the relations, but it moves the neighbours of each sensor, too, so
+ * that no few sensors explain it.
  *
- * A gated sensor is trusted again when it has agreed with the others for `patience` ticks. Where
- * the basis spans all that the model knows (`replaces`), the fit replaces gated and missing
- * readings.
+ * A tick adds at most one sensor, the one that would explain most of y, to those that it suspects.
+ * As long as they do not explain y, their readings are used, and the next tick adds another one. A
+ * gated sensor is trusted again when it has agreed with the others for `patience` ticks. Where the
+ * relations hold for all that the model knows (`replaces`), readings without the estimated errors
+ * replace gated and missing ones.
  *
- * Work of a tick: 2 * sensors * directions multiply-adds; for each excluded sensor, at most `most`,
- * sensors * (directions + most) more.
+ * Work of a tick (multiply-adds): sensors * quick. Where a reading is missing or gated, or the
+ * first `quick` values of y are large enough for a sensor to be wrong: sensors * (2 * relations),
+ * and at most 2 * most * most * relations more.
  */
 #include <string.h>
 #include "pzs_loop.h"
@@ -29,30 +31,32 @@
 #include "../core/product.h"
 
 /*
- * Smallest part of an error in a reading that must show in its own residual for the sensor to be
- * suspected. Where the part is smaller, the other sensors hardly determine the reading.
+ * Smallest square of the part of a row of the parity table, relative to the row, that lies outside
+ * the rows of the sensors excluded before, for a sensor to be suspected. Where the part is smaller,
+ * the error of the reading can hardly be distinguished from theirs.
  */
-#define LEAST_SUSPECT PZS_R(0.05)
+#define LEAST_SUSPECT PZS_R(0.02)
 /*
- * The same part for a sensor without a reading. A smaller part means that the sensor has almost no
- * effect on the residuals of the others, and that rounding would decide.
+ * The same square for a sensor whose reading is missing or gated already. A smaller part means that
+ * the errors of the sensors before explain all that this one can do, but for rounding.
  */
-#define LEAST_EXCLUDED PZS_R(0.001)
+#define LEAST_EXCLUDED PZS_R(1e-5)
+/* The same square for a reading to be replaced. */
+#define LEAST_REPLACED PZS_R(0.05)
 /* Part of its threshold below which the error of a gated sensor counts as gone. */
 #define GONE PZS_R(0.5)
 
 /* List the arrays that the checksum of the sensor gate's tables covers. Returns their number. */
 static uint32_t list_parts(const pzs_sensor_gate *tables, pzs_table_part part[PZS_TABLE_PARTS])
 {
-    const size_t sensors = tables->sensors, judged = tables->directions > 0 ? sensors : 0;
-    part[0] = (pzs_table_part){&tables->sensors, 5u * sizeof tables->sensors};
+    const size_t sensors = tables->sensors, judged = tables->relations > 0 ? sensors : 0;
+    part[0] = (pzs_table_part){&tables->sensors, 6u * sizeof tables->sensors};
     part[1] = scrub_reals(tables->range, sensors);
-    part[2] = scrub_reals(tables->weight, judged);
-    part[3] = scrub_reals(tables->basis, sensors * tables->directions);
-    part[4] = scrub_reals(tables->free, judged);
-    part[5] = scrub_reals(tables->threshold, judged);
-    part[6] = scrub_reals(&tables->ratio, 1);
-    return 7;
+    part[2] = scrub_reals(tables->parity, sensors * tables->relations);
+    part[3] = scrub_reals(tables->scale, judged);
+    part[4] = scrub_reals(tables->threshold, judged);
+    part[5] = scrub_reals(&tables->quiet, 2);
+    return 6;
 }
 
 static uint32_t crc_of(const pzs_sensor_gate *tables)
@@ -63,9 +67,9 @@ static uint32_t crc_of(const pzs_sensor_gate *tables)
 
 static bool has_arrays(const pzs_sensor_gate *tables)
 {
-    const bool is_judged = tables->weight != NULL && tables->basis != NULL &&
-                           tables->free != NULL && tables->threshold != NULL;
-    return tables->sensors > 0 && tables->range != NULL && (tables->directions == 0 || is_judged);
+    const bool is_judged =
+        tables->parity != NULL && tables->scale != NULL && tables->threshold != NULL;
+    return tables->sensors > 0 && tables->range != NULL && (tables->relations == 0 || is_judged);
 }
 
 pzs_status pzs_sensor_gate_seal(pzs_sensor_gate *tables)
@@ -81,10 +85,12 @@ pzs_status pzs_sensor_gate_seal(pzs_sensor_gate *tables)
 
 static bool has_sizes(const pzs_sensor_gate *tables, uint16_t sensors)
 {
-    const bool is_judged = tables->directions > 0;
-    return has_arrays(tables) && tables->sensors == sensors && tables->directions < sensors &&
-           tables->most <= PZS_SENSOR_GATE_LIMIT && (tables->most > 0) == is_judged &&
-           (!is_judged || (tables->patience > 0 && tables->ratio >= 1));
+    const bool is_judged = tables->relations > 0;
+    return has_arrays(tables) && tables->sensors == sensors && tables->relations < sensors &&
+           tables->most <= PZS_SENSOR_GATE_LIMIT && tables->most <= tables->relations &&
+           (tables->most > 0) == is_judged && tables->quick <= tables->relations &&
+           (tables->quick > 0) == is_judged &&
+           (!is_judged || (tables->patience > 0 && tables->ratio >= 1 && tables->quiet >= 0));
 }
 
 /* Return the index of the first number that is not above 0, which may be NaN, or -1. */
@@ -96,21 +102,29 @@ static int32_t find_not_positive(const pzs_real *value, uint32_t count)
     return -1;
 }
 
-/* Return the first sensor with a range, weight or threshold that is not above 0, or -1. */
-static int32_t find_bad_sensor(const pzs_sensor_gate *tables)
+/* Return the index of the first number below 0, or -1. */
+static int32_t find_negative(const pzs_real *value, uint32_t count)
 {
-    const uint32_t judged = tables->directions > 0 ? tables->sensors : 0;
-    int32_t bad = find_not_positive(tables->range, tables->sensors);
-    bad = bad < 0 ? find_not_positive(tables->weight, judged) : bad;
-    return bad < 0 ? find_not_positive(tables->threshold, judged) : bad;
+    for (uint32_t i = 0; i < count; i++)
+        if (value[i] < 0)
+            return (int32_t)i;
+    return -1;
 }
 
-static bool is_finite_basis(const pzs_sensor_gate *tables)
+/* Return the first sensor with a range or threshold not above 0, or a scale below 0, or -1. */
+static int32_t find_bad_sensor(const pzs_sensor_gate *tables)
 {
-    const uint32_t sensors = tables->sensors, directions = tables->directions;
-    return directions == 0 || (pzs_guard_nonfinite(tables->basis, sensors * directions) < 0 &&
-                               pzs_guard_nonfinite(tables->weight, sensors) < 0 &&
-                               pzs_guard_nonfinite(tables->free, sensors) < 0);
+    const uint32_t judged = tables->relations > 0 ? tables->sensors : 0;
+    int32_t bad = find_not_positive(tables->range, tables->sensors);
+    bad = bad < 0 ? find_not_positive(tables->threshold, judged) : bad;
+    return bad < 0 ? find_negative(tables->scale, judged) : bad;
+}
+
+static bool is_finite_table(const pzs_sensor_gate *tables)
+{
+    const uint32_t sensors = tables->sensors, relations = tables->relations;
+    return relations == 0 || (pzs_guard_nonfinite(tables->parity, sensors * relations) < 0 &&
+                              pzs_guard_nonfinite(tables->scale, sensors) < 0);
 }
 
 static pzs_status check(const pzs_sensor_gate *tables, const pzs_loop_signals *signals,
@@ -123,32 +137,41 @@ static pzs_status check(const pzs_sensor_gate *tables, const pzs_loop_signals *s
         return PZS_E_ARGUMENT;
     if (crc_of(tables) != tables->crc)
         return PZS_E_CRC;
-    if (!is_finite_basis(tables))
+    if (!is_finite_table(tables))
         return PZS_E_NONFINITE;
     *where = find_bad_sensor(tables);
     return *where < 0 ? PZS_OK : PZS_E_ARGUMENT;
 }
 
-/* ---- sensors that are left out of the fit ------------------------------- */
+/* ---- sensors whose errors are estimated ---------------------------------- */
 
 /*
- * The sensors that are left out of the fit in a tick, in the order in which they were excluded.
- * Their rows of 1 - Q Q' are factored: column k of the factor, over all sensors, is row k of
- * pzs_sensor_gate_state.column.
+ * The sensors of a tick whose errors are estimated, in the order in which they were excluded from
+ * the trusted ones. Their rows of the parity table are factored: row k is the sum over m <= k of
+ * factor_mk times row m of pzs_sensor_gate_state.column, with factor_mk in the array `factor`.
  */
 typedef struct exclusions {
     uint32_t count;
+    uint32_t absent; /* number of sensors that have no usable reading, or are suspected or gated */
     uint16_t sensor[PZS_SENSOR_GATE_LIMIT];
-    pzs_real part[PZS_SENSOR_GATE_LIMIT]; /* residuals in the coordinates of the factor's columns */
-    pzs_real error[PZS_SENSOR_GATE_LIMIT]; /* weighted errors of the readings: reading minus the
-                                              fit to the sensors that are not excluded */
-    pzs_real left; /* largest weighted residual of the other sensors, over the root of its free
-                      part */
+    pzs_real part[PZS_SENSOR_GATE_LIMIT];  /* parts of the values of the parity relations along the
+                                              rows of the array `column` */
+    pzs_real error[PZS_SENSOR_GATE_LIMIT]; /* estimated error of each reading (unit of the sensor);
+                                              a reading without a value counts as 0 */
+    pzs_real left;       /* norm of what the errors leave of the values of the parity relations */
+    int32_t unexplained; /* sensor that would explain most of a contradiction which the excluded
+                            sensors do not explain; -1: there is no such contradiction */
 } exclusions;
 
 static size_t width_of(const pzs_sensor_gate_state *gate)
 {
-    return PZS_FOURS(gate->tables->sensors);
+    return PZS_FOURS(gate->tables->relations);
+}
+
+/* Return the address of entry [row][column] of the array `factor`. */
+static pzs_real *factor_of(const pzs_sensor_gate_state *gate, uint32_t row, uint32_t column)
+{
+    return gate->factor + row * gate->tables->most + column;
 }
 
 static bool is_usable(const pzs_sensor_gate_state *gate, uint32_t sensor)
@@ -156,113 +179,96 @@ static bool is_usable(const pzs_sensor_gate_state *gate, uint32_t sensor)
     return gate->reading[sensor] == PZS_READING_USED;
 }
 
-/*
- * Compute the weighted residuals of all sensors from the usable readings of this tick. The residual
- * is right only once the other sensors are excluded, whose readings count as 0 here.
- */
-static void find_residuals(pzs_sensor_gate_state *gate)
+/* Subtract `factor` times a vector [count] from another. */
+static void subtract(pzs_real *from, pzs_real factor, const pzs_real *vector, size_t count)
 {
-    const pzs_sensor_gate *tables = gate->tables;
-    const size_t sensors = tables->sensors, directions = tables->directions;
-    pzs_real *weighted = gate->column;
-    for (uint32_t i = 0; i < sensors; i++)
-        weighted[i] = is_usable(gate, i) ? tables->weight[i] * gate->gated[i] : 0;
-    pzs_product_sum_rows(gate->coordinate, tables->basis, directions, weighted, sensors,
-                         directions);
-    for (size_t i = 0; i < directions; i++)
-        gate->coordinate[i] = -gate->coordinate[i];
-    pzs_product_add(gate->residual, weighted, tables->basis, gate->coordinate, sensors, directions);
-    memcpy(gate->free, tables->free, sensors * sizeof *gate->free);
+    for (size_t i = 0; i < count; i++)
+        from[i] -= factor * vector[i];
 }
 
 /*
- * Compute row `sensor` of 1 - Q Q', without the parts along the columns of the sensors excluded
- * before.
- *   row [sensors] out
- */
-static void find_row(pzs_sensor_gate_state *gate, const exclusions *excluded, uint32_t sensor,
-                     pzs_real *row)
-{
-    const pzs_sensor_gate *tables = gate->tables;
-    const size_t sensors = tables->sensors, directions = tables->directions;
-    for (size_t i = 0; i < directions; i++)
-        gate->coordinate[i] = -tables->basis[sensor * directions + i];
-    pzs_product_matrix(row, tables->basis, gate->coordinate, sensors, directions);
-    row[sensor] += 1;
-    for (uint32_t k = 0; k < excluded->count; k++) {
-        const pzs_real *column = gate->column + k * width_of(gate);
-        const pzs_real factor = column[sensor];
-        for (size_t i = 0; i < sensors; i++)
-            row[i] -= factor * column[i];
-    }
-}
-
-/*
- * Exclude a sensor from the fit: the residuals and their free parts become those of a fit without
- * it. Returns false and changes neither where less than `least` of an error of this reading shows
- * in its residual.
+ * Estimate the error of one more sensor: its part is taken out of the values of the parity
+ * relations. Returns false and changes nothing where no more than the part `least` of the square of
+ * its row lies outside the rows of the sensors excluded before.
  */
 static bool exclude(pzs_sensor_gate_state *gate, exclusions *excluded, uint32_t sensor,
                     pzs_real least)
 {
-    const size_t sensors = gate->tables->sensors;
-    pzs_real *column = gate->column + excluded->count * width_of(gate);
-    find_row(gate, excluded, sensor, column);
-    if (!(column[sensor] >= least))
-        return false;
-    const pzs_real scale = 1 / PZS_SQRT(column[sensor]), part = scale * gate->residual[sensor];
-    for (size_t i = 0; i < sensors; i++) {
-        column[i] *= scale;
-        gate->residual[i] -= part * column[i];
-        gate->free[i] -= column[i] * column[i];
+    const size_t relations = gate->tables->relations;
+    const uint32_t k = excluded->count;
+    const pzs_real *row = gate->tables->parity + sensor * relations;
+    pzs_real *own = gate->column + k * width_of(gate);
+    memcpy(own, row, relations * sizeof *own);
+    for (uint32_t m = 0; m < k; m++) {
+        const pzs_real *other = gate->column + m * width_of(gate);
+        const pzs_real common = pzs_product_dot(own, other, relations);
+        *factor_of(gate, m, k) = common;
+        subtract(own, common, other, relations);
     }
-    gate->residual[sensor] = gate->free[sensor] = 0;
-    excluded->sensor[excluded->count] = (uint16_t)sensor;
-    excluded->part[excluded->count++] = part;
+    const pzs_real square = pzs_product_dot(own, own, relations);
+    if (!(square > least * pzs_product_dot(row, row, relations)))
+        return false;
+    const pzs_real norm = PZS_SQRT(square);
+    *factor_of(gate, k, k) = norm;
+    for (size_t i = 0; i < relations; i++)
+        own[i] /= norm;
+    excluded->part[k] = pzs_product_dot(gate->parity, own, relations);
+    subtract(gate->parity, excluded->part[k], own, relations);
+    excluded->sensor[k] = (uint16_t)sensor;
+    excluded->count = k + 1;
     return true;
 }
 
-/* Compute the errors of all excluded sensors together. */
+/* Return the norm of the first `count` values of the parity relations. */
+static pzs_real norm_of_parity(const pzs_sensor_gate_state *gate, size_t count)
+{
+    return PZS_SQRT(pzs_product_dot(gate->parity, gate->parity, count));
+}
+
+/* Compute the errors of all excluded sensors together, and what they leave. */
 static void find_errors(const pzs_sensor_gate_state *gate, exclusions *excluded)
 {
+    excluded->left = norm_of_parity(gate, gate->tables->relations);
     for (uint32_t k = excluded->count; k-- > 0;) {
-        const pzs_real *column = gate->column + k * width_of(gate);
         pzs_real left = excluded->part[k];
         for (uint32_t m = k + 1; m < excluded->count; m++)
-            left -= column[excluded->sensor[m]] * excluded->error[m];
-        excluded->error[k] = left / column[excluded->sensor[k]];
+            left -= *factor_of(gate, k, m) * excluded->error[m];
+        excluded->error[k] = left / *factor_of(gate, k, k);
     }
 }
 
 /*
- * Return the sensor whose residual is largest in relation to its noise, or -1 where none can be
- * suspected. This largest ratio becomes excluded->left.
+ * Return the sensor whose error would explain most of what is left of the values of the parity
+ * relations, or -1.
  */
-static int32_t find_suspect(const pzs_sensor_gate_state *gate, exclusions *excluded)
+static int32_t find_suspect(pzs_sensor_gate_state *gate)
 {
-    pzs_real square = 0;
+    const pzs_sensor_gate *tables = gate->tables;
+    const uint32_t sensors = tables->sensors;
+    pzs_real most = 0;
     int32_t suspect = -1;
-    for (uint32_t i = 0; i < gate->tables->sensors; i++) {
-        const pzs_real residual = gate->residual[i];
-        if (!(gate->free[i] >= LEAST_SUSPECT))
-            continue;
-        if (residual * residual > square * gate->free[i]) {
-            square = residual * residual / gate->free[i];
+    pzs_product_matrix(gate->match, tables->parity, gate->parity, sensors, tables->relations);
+    for (uint32_t i = 0; i < sensors; i++) {
+        const pzs_real size = number_absolute(gate->match[i]) * tables->scale[i];
+        if (size > most) {
+            most = size;
             suspect = (int32_t)i;
         }
     }
-    excluded->left = PZS_SQRT(square);
     return suspect;
 }
 
 /*
- * Whether a sensor may be the only wrong one: the error of its reading that would explain the
- * contradictions between the readings reaches the threshold of this sensor in the tables.
+ * Whether a sensor may be the only wrong one: the error of its reading that would explain most of
+ * what is left reaches the threshold of this sensor in the tables.
  */
 static bool is_suspect(const pzs_sensor_gate_state *gate, int32_t suspect)
 {
-    return suspect >= 0 && number_absolute(gate->residual[suspect]) >=
-                               gate->tables->threshold[suspect] * gate->free[suspect];
+    const pzs_sensor_gate *tables = gate->tables;
+    if (suspect < 0)
+        return false;
+    const pzs_real scale = tables->scale[suspect];
+    return number_absolute(gate->match[suspect]) * scale * scale >= tables->threshold[suspect];
 }
 
 /*
@@ -271,52 +277,92 @@ static bool is_suspect(const pzs_sensor_gate_state *gate, int32_t suspect)
  */
 static bool explain(const pzs_sensor_gate *tables, const exclusions *excluded, uint32_t first)
 {
-    const pzs_real least = tables->ratio * excluded->left;
     for (uint32_t k = first; k < excluded->count; k++) {
+        const uint32_t sensor = excluded->sensor[k];
         const pzs_real size = number_absolute(excluded->error[k]);
-        if (!(size >= tables->threshold[excluded->sensor[k]] && size >= least))
+        const pzs_real least = tables->ratio * excluded->left * tables->scale[sensor];
+        if (!(size >= tables->threshold[sensor] && size >= least))
             return false;
     }
-    return true;
+    return first < excluded->count;
 }
 
-/* ---- judgement of the sensors -------------------------------------------- */
+/* ---- list of gated and suspected sensors --------------------------------- */
 
-/* Return the number of sensors without a usable reading, or gated in earlier ticks. */
-static uint32_t count_absent(const pzs_sensor_gate_state *gate)
+/* Remove number k of the list of gated and suspected sensors. */
+static void drop(pzs_sensor_gate_state *gate, uint32_t k)
 {
-    uint32_t absent = 0;
-    for (uint32_t i = 0; i < gate->tables->sensors; i++)
-        absent += !is_usable(gate, i) || gate->distrust[i] > 0;
-    return absent;
+    gate->suspects--;
+    for (; k < gate->suspects; k++) {
+        gate->suspect[k] = gate->suspect[k + 1];
+        gate->distrust[k] = gate->distrust[k + 1];
+    }
 }
 
-/* Exclude the sensors without a usable reading, and those gated in earlier ticks. */
-static void exclude_absent(pzs_sensor_gate_state *gate, exclusions *excluded)
+/* Empty the list of gated and suspected sensors where memory was damaged. */
+static void mend(pzs_sensor_gate_state *gate)
 {
-    for (uint32_t i = 0; i < gate->tables->sensors && excluded->count < gate->tables->most; i++)
-        if (!is_usable(gate, i) || gate->distrust[i] > 0)
-            (void)exclude(gate, excluded, i, LEAST_EXCLUDED);
+    bool is_whole = gate->suspects <= gate->tables->most;
+    for (uint32_t k = 0; is_whole && k < gate->suspects; k++)
+        is_whole = gate->suspect[k] < gate->tables->sensors &&
+                   gate->distrust[k] <= gate->tables->patience &&
+                   (k == 0 || gate->distrust[k] == 0 || gate->distrust[k - 1] > 0);
+    if (!is_whole)
+        gate->suspects = 0;
 }
 
-/* Distrust the sensors excluded from number `first` on. */
-static void distrust(pzs_sensor_gate_state *gate, const exclusions *excluded, uint32_t first)
+/* Return the number of gated sensors, which come first in the list. */
+static uint32_t count_gated(const pzs_sensor_gate_state *gate)
 {
-    for (uint32_t k = first; k < excluded->count; k++)
-        gate->distrust[excluded->sensor[k]] = gate->tables->patience;
+    uint32_t gated = 0;
+    while (gated < gate->suspects && gate->distrust[gated] > 0)
+        gated++;
+    return gated;
+}
+
+/* Forget the sensors that are only suspected. */
+static void acquit(pzs_sensor_gate_state *gate)
+{
+    gate->suspects = (uint16_t)count_gated(gate);
+}
+
+/* Forget suspected sensors that have no usable reading. */
+static void drop_missing(pzs_sensor_gate_state *gate)
+{
+    for (uint32_t k = gate->suspects; k-- > 0;)
+        if (gate->distrust[k] == 0 && !is_usable(gate, gate->suspect[k]))
+            drop(gate, k);
+}
+
+static bool is_listed(const pzs_sensor_gate_state *gate, uint32_t sensor)
+{
+    for (uint32_t k = 0; k < gate->suspects; k++)
+        if (gate->suspect[k] == sensor)
+            return true;
+    return false;
 }
 
 /*
  * Whether a gated sensor agrees with the others in this tick: its error is below half its
- * threshold, or no longer stands out from what the others leave, as under a load that the tables do
- * not know.
+ * threshold, or no longer stands out from what is left, as under a load that the tables do not
+ * know.
  */
 static bool agrees(const pzs_sensor_gate *tables, const exclusions *excluded, uint32_t number)
 {
-    const pzs_real threshold = tables->threshold[excluded->sensor[number]];
-    const pzs_real among_others = tables->ratio * excluded->left;
+    const uint32_t sensor = excluded->sensor[number];
+    const pzs_real threshold = tables->threshold[sensor];
+    const pzs_real among_others = tables->ratio * excluded->left * tables->scale[sensor];
     const pzs_real least = threshold > among_others ? threshold : among_others;
     return number_absolute(excluded->error[number]) < GONE * least;
+}
+
+/* Return the number of a sensor among the excluded ones, or their count if it is not. */
+static uint32_t find_excluded(const exclusions *excluded, uint32_t sensor)
+{
+    uint32_t k = 0;
+    while (k < excluded->count && excluded->sensor[k] != sensor)
+        k++;
+    return k;
 }
 
 /*
@@ -326,43 +372,129 @@ static bool agrees(const pzs_sensor_gate *tables, const exclusions *excluded, ui
 static void forgive(pzs_sensor_gate_state *gate, const exclusions *excluded)
 {
     const pzs_sensor_gate *tables = gate->tables;
-    for (uint32_t k = 0; k < excluded->count; k++) {
-        uint16_t *distrust = &gate->distrust[excluded->sensor[k]];
-        if (!is_usable(gate, excluded->sensor[k]) || *distrust == 0)
+    for (uint32_t k = count_gated(gate); k-- > 0;) {
+        const uint32_t number = find_excluded(excluded, gate->suspect[k]);
+        if (number == excluded->count || !is_usable(gate, gate->suspect[k]))
             continue;
-        *distrust = agrees(tables, excluded, k) ? (uint16_t)(*distrust - 1u) : tables->patience;
+        gate->distrust[k] = agrees(tables, excluded, number) ? (uint16_t)(gate->distrust[k] - 1u)
+                                                             : tables->patience;
+        if (gate->distrust[k] == 0)
+            drop(gate, k);
+    }
+}
+
+/* ---- judgement of the sensors -------------------------------------------- */
+
+/* Exclude the sensors without a usable reading, then those of the list. */
+static void exclude_absent(pzs_sensor_gate_state *gate, exclusions *excluded, bool has_missing)
+{
+    for (uint32_t i = 0; has_missing && i < gate->tables->sensors; i++)
+        if (!is_usable(gate, i) && !is_listed(gate, i))
+            (void)exclude(gate, excluded, i, LEAST_EXCLUDED);
+    for (uint32_t k = 0; k < gate->suspects; k++)
+        (void)exclude(gate, excluded, gate->suspect[k], LEAST_EXCLUDED);
+}
+
+/* Return the number of the first excluded sensor that is only suspected, or their count. */
+static uint32_t first_suspected(const pzs_sensor_gate_state *gate, const exclusions *excluded)
+{
+    const uint32_t gated = count_gated(gate);
+    return gated < gate->suspects ? find_excluded(excluded, gate->suspect[gated]) : excluded->count;
+}
+
+/* Suspect one more sensor. Returns whether it differs from the excluded ones. */
+static bool suspect_one(pzs_sensor_gate_state *gate, exclusions *excluded, uint32_t sensor)
+{
+    if (!exclude(gate, excluded, sensor, LEAST_SUSPECT))
+        return false;
+    gate->suspect[gate->suspects] = (uint16_t)sensor;
+    gate->distrust[gate->suspects++] = 0;
+    find_errors(gate, excluded);
+    return true;
+}
+
+/* Gate all suspected sensors. */
+static void gate_suspected(pzs_sensor_gate_state *gate)
+{
+    for (uint32_t k = count_gated(gate); k < gate->suspects; k++)
+        gate->distrust[k] = gate->tables->patience;
+}
+
+/* Forget suspected sensors whose errors are below their thresholds beside those of the others. */
+static void acquit_small(pzs_sensor_gate_state *gate, const exclusions *excluded)
+{
+    const pzs_sensor_gate *tables = gate->tables;
+    for (uint32_t k = gate->suspects; k-- > count_gated(gate);) {
+        const uint32_t number = find_excluded(excluded, gate->suspect[k]);
+        if (number < excluded->count &&
+            number_absolute(excluded->error[number]) < tables->threshold[gate->suspect[k]])
+            drop(gate, k);
     }
 }
 
 /*
- * Find sensors that contradict the others. More sensors are excluded as long as one is suspect; the
- * largest number of them that explains the readings is gated. Judges nothing while more sensors are
- * absent than may be excluded. Returns the sensors without a trusted reading.
+ * Gate the suspected sensors if they explain the readings. Otherwise suspect one more, or forget
+ * them all if there can be no more or if nothing is left to be explained.
  */
-static exclusions judge(pzs_sensor_gate_state *gate)
+static void find_wrong(pzs_sensor_gate_state *gate, exclusions *excluded)
 {
-    const uint32_t most = gate->tables->most;
-    exclusions excluded = {.count = 0};
-    gate->info.is_unexplained = false;
-    if (gate->tables->directions == 0 || count_absent(gate) > most)
-        return excluded;
-    find_residuals(gate);
-    exclude_absent(gate, &excluded);
-    find_errors(gate, &excluded);
-    int32_t suspect = find_suspect(gate, &excluded);
-    exclusions best = excluded;
-    const uint32_t first = excluded.count;
-    while (excluded.count < most && is_suspect(gate, suspect) &&
-           exclude(gate, &excluded, (uint32_t)suspect, LEAST_EXCLUDED)) {
-        find_errors(gate, &excluded);
-        suspect = find_suspect(gate, &excluded);
-        if (explain(gate->tables, &excluded, first))
-            best = excluded;
+    const pzs_sensor_gate *tables = gate->tables;
+    const uint32_t first = first_suspected(gate, excluded);
+    if (explain(tables, excluded, first)) {
+        gate_suspected(gate);
+        return;
     }
-    gate->info.is_unexplained = best.count < excluded.count || is_suspect(gate, suspect);
-    distrust(gate, &best, first);
-    forgive(gate, &best);
-    return best;
+    const int32_t suspect = excluded->left >= tables->quiet ? find_suspect(gate) : -1;
+    if (!is_suspect(gate, suspect)) {
+        acquit(gate);
+        return;
+    }
+    excluded->unexplained = suspect;
+    if (excluded->absent >= tables->most || !suspect_one(gate, excluded, (uint32_t)suspect)) {
+        if (count_gated(gate) < gate->suspects)
+            drop(gate, count_gated(gate));
+    } else if (explain(tables, excluded, first)) {
+        gate_suspected(gate);
+        excluded->unexplained = -1;
+    } else {
+        acquit_small(gate, excluded);
+    }
+}
+
+/* Compute the values of the parity relations from number `first` up to `end`. */
+static void find_parity(pzs_sensor_gate_state *gate, uint32_t first, uint32_t end)
+{
+    const pzs_sensor_gate *tables = gate->tables;
+    pzs_product_sum_rows(gate->parity + first, tables->parity + first, tables->relations,
+                         gate->gated, tables->sensors, end - first);
+}
+
+/*
+ * Find sensors that contradict the others. Judges nothing while more sensors are absent than may be
+ * excluded.
+ *   missing  in   number of readings that are missing or beyond their range
+ *   excluded out  sensors whose errors are estimated
+ */
+static void judge(pzs_sensor_gate_state *gate, uint32_t missing, exclusions *excluded)
+{
+    const pzs_sensor_gate *tables = gate->tables;
+    excluded->count = 0;
+    excluded->unexplained = -1;
+    excluded->absent = gate->suspects + missing;
+    for (uint32_t k = 0; k < gate->suspects; k++)
+        excluded->absent -= !is_usable(gate, gate->suspect[k]);
+    if (tables->relations == 0 || excluded->absent > tables->most) {
+        acquit(gate);
+        return;
+    }
+    find_parity(gate, 0, tables->quick);
+    if (excluded->absent == 0 && norm_of_parity(gate, tables->quick) < tables->quiet)
+        return;
+    find_parity(gate, tables->quick, tables->relations);
+    exclude_absent(gate, excluded, missing > 0);
+    find_errors(gate, excluded);
+    find_wrong(gate, excluded);
+    forgive(gate, excluded);
 }
 
 /* ---- block of the control loop ------------------------------------------- */
@@ -371,21 +503,20 @@ static size_t block_bytes(const void *tables, const pzs_problem *problem)
 {
     const pzs_sensor_gate *gate = tables;
     (void)problem;
-    return PZS_SENSOR_GATE_BLOCK_BYTES(gate->sensors, gate->directions, gate->most);
+    return PZS_SENSOR_GATE_BLOCK_BYTES(gate->sensors, gate->relations, gate->most);
 }
 
 /* Set the pointers of the block to its tables and to its arrays. */
 static void place(pzs_sensor_gate_state *gate, const pzs_sensor_gate *tables)
 {
     gate->tables = tables;
-    const size_t width = width_of(gate);
+    const size_t width = PZS_FOURS(tables->sensors);
     gate->gated = (void *)((uint8_t *)gate + PZS_ALIGNED(sizeof *gate));
-    gate->residual = gate->gated + width;
-    gate->free = gate->residual + width;
-    gate->coordinate = gate->free + width;
-    gate->column = gate->coordinate + PZS_FOURS(tables->directions);
-    gate->distrust = (void *)(gate->column + tables->most * width);
-    gate->reading = (void *)(gate->distrust + width);
+    gate->match = gate->gated + width;
+    gate->parity = gate->match + width;
+    gate->column = gate->parity + width_of(gate);
+    gate->factor = gate->column + tables->most * width_of(gate);
+    gate->reading = (void *)(gate->factor + PZS_FOURS((size_t)tables->most * tables->most));
     gate->info.reading = gate->reading;
 }
 
@@ -399,35 +530,48 @@ static pzs_status block_init(void *self, const void *tables, pzs_loop_signals *s
     return PZS_OK;
 }
 
-/* Copy the readings; one that is missing or beyond its range becomes NaN. */
-static void take_readings(pzs_sensor_gate_state *gate, const pzs_real *readings)
+/*
+ * Copy the readings; one that is missing or beyond its range becomes 0. Returns the number of
+ * these.
+ */
+static uint32_t take_readings(pzs_sensor_gate_state *gate, const pzs_real *readings)
 {
-    for (uint32_t i = 0; i < gate->tables->sensors; i++) {
-        const bool is_missing = !number_is_finite(readings[i]);
-        const bool is_inside = number_absolute(readings[i]) <= gate->tables->range[i];
-        gate->gated[i] = is_inside ? readings[i] : (pzs_real)NAN;
-        gate->reading[i] = (uint8_t)(is_inside ? PZS_READING_USED : PZS_READING_RANGE);
-        if (is_missing)
-            gate->reading[i] = (uint8_t)PZS_READING_MISSING;
+    const uint32_t sensors = gate->tables->sensors;
+    const pzs_real *range = gate->tables->range;
+    pzs_real *gated = gate->gated;
+    uint32_t missing = 0;
+    memset(gate->reading, PZS_READING_USED, sensors);
+    for (uint32_t i = 0; i < sensors; i++) {
+        gated[i] = readings[i];
+        if (number_absolute(readings[i]) <= range[i])
+            continue;
+        gated[i] = 0;
+        gate->reading[i] =
+            (uint8_t)(number_is_finite(readings[i]) ? PZS_READING_RANGE : PZS_READING_MISSING);
+        missing++;
     }
+    return missing;
 }
 
-/* Take the readings of distrusted sensors away, and count the gated ones. */
-static void take_distrusted(pzs_sensor_gate_state *gate)
+/* Let readings that are missing, beyond their range or gated be NaN, and count the last two. */
+static void take_away(pzs_sensor_gate_state *gate, uint32_t missing)
 {
+    const uint32_t gated = count_gated(gate);
     gate->info.count = 0;
-    for (uint32_t i = 0; i < gate->tables->sensors; i++) {
-        if (is_usable(gate, i) && gate->distrust[i] > 0) {
-            gate->reading[i] = (uint8_t)PZS_READING_CONTRADICTED;
-            gate->gated[i] = (pzs_real)NAN;
-        }
+    for (uint32_t k = 0; k < gated; k++)
+        if (is_usable(gate, gate->suspect[k]))
+            gate->reading[gate->suspect[k]] = (uint8_t)PZS_READING_CONTRADICTED;
+    for (uint32_t i = 0; missing + gated > 0 && i < gate->tables->sensors; i++) {
+        if (is_usable(gate, i))
+            continue;
+        gate->gated[i] = (pzs_real)NAN;
         gate->info.count = (uint16_t)(gate->info.count + (gate->reading[i] > PZS_READING_MISSING));
     }
 }
 
 /*
- * Replace the readings of excluded sensors by their fit to the others, except where these hardly
- * determine it. Returns the number of replaced readings.
+ * Replace the readings of excluded sensors by what the parity relations make of the others, except
+ * where these hardly determine it. Returns the number of replaced readings.
  */
 static uint32_t replace(pzs_sensor_gate_state *gate, const exclusions *excluded,
                         const pzs_real *readings)
@@ -436,12 +580,11 @@ static uint32_t replace(pzs_sensor_gate_state *gate, const exclusions *excluded,
     uint32_t replaced = 0;
     for (uint32_t k = 0; k < excluded->count && tables->replaces != 0; k++) {
         const uint32_t i = excluded->sensor[k];
-        const pzs_real root = gate->column[k * width_of(gate) + i];
-        if (root * root < LEAST_SUSPECT || is_usable(gate, i))
+        const pzs_real own = *factor_of(gate, k, k) * tables->scale[i];
+        if (own * own < LEAST_REPLACED || is_usable(gate, i))
             continue;
         const bool has_reading = gate->reading[i] == PZS_READING_CONTRADICTED;
-        const pzs_real error = excluded->error[k] / tables->weight[i];
-        gate->gated[i] = has_reading ? readings[i] - error : -error;
+        gate->gated[i] = (has_reading ? readings[i] : 0) - excluded->error[k];
         replaced++;
     }
     return replaced;
@@ -460,11 +603,15 @@ static int32_t find_state(const pzs_sensor_gate_state *gate, pzs_reading_state l
  * Status of a tick: missing readings are announced here only if they were replaced, because the
  * next blocks announce them otherwise, and nothing where no reading is left, which they announce.
  */
-static pzs_status status_of(const pzs_sensor_gate_state *gate, uint32_t replaced, int32_t *where)
+static pzs_status status_of(const pzs_sensor_gate_state *gate, const exclusions *excluded,
+                            uint32_t replaced, int32_t *where)
 {
-    *where = find_state(gate, PZS_READING_RANGE);
+    *where = gate->info.count > 0 ? find_state(gate, PZS_READING_RANGE) : -1;
     if (*where >= 0)
         return gate->info.count < gate->tables->sensors ? PZS_W_GATED : PZS_OK;
+    *where = excluded->unexplained;
+    if (*where >= 0)
+        return PZS_W_CONTRADICTION;
     if (replaced > 0)
         *where = find_state(gate, PZS_READING_MISSING);
     return *where >= 0 ? PZS_W_SENSOR : PZS_OK;
@@ -476,12 +623,16 @@ static pzs_status block_tick(void *self, pzs_loop_signals *signals)
     place(gate, signals->tables);
     if (signals->readings == NULL)
         return PZS_OK;
-    take_readings(gate, signals->readings);
-    const exclusions excluded = judge(gate);
-    take_distrusted(gate);
+    mend(gate);
+    const uint32_t missing = take_readings(gate, signals->readings);
+    drop_missing(gate);
+    exclusions excluded;
+    judge(gate, missing, &excluded);
+    gate->info.is_unexplained = excluded.unexplained >= 0;
+    take_away(gate, missing);
     const uint32_t replaced = replace(gate, &excluded, signals->readings);
     signals->readings = signals->measured = gate->gated;
-    return status_of(gate, replaced, &signals->where);
+    return status_of(gate, &excluded, replaced, &signals->where);
 }
 
 static uint32_t block_parts(const void *tables, uint32_t number,

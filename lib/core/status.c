@@ -32,6 +32,8 @@ const char *pzs_status_text(pzs_status status)
         return "a measurement is beyond its range or contradicts the others: taken as missing";
     case PZS_W_MODE_COUNT:
         return "the vibration modes have converged, but cannot be counted in this precision";
+    case PZS_W_CONTRADICTION:
+        return "measurements contradict the model: an unknown load, or too many wrong sensors";
     case PZS_E_ARGUMENT: return "null pointer, or a size or index out of range";
     case PZS_E_FORMAT: return "tables of another format or scene";
     case PZS_E_CRC: return "tables do not match their checksum";

@@ -703,7 +703,7 @@ static void every_status_has_words(void **state)
             assert_true(strcmp(text, unknown) == 0 ||
                         strcmp(text, pzs_status_text((pzs_status)j)) != 0);
     }
-    assert_int_equal(known, PZS_W_GATED + 1 + PZS_E_SELFTEST - PZS_E_ARGUMENT + 1);
+    assert_int_equal(known, PZS_W_CONTRADICTION + 1 + PZS_E_SELFTEST - PZS_E_ARGUMENT + 1);
 }
 
 int main(int argc, char **argv)
