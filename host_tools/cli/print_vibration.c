@@ -329,6 +329,11 @@ static void json_stability(json *json, const certificate *certificate)
         json_number(json, "storms_allowed", CERTIFICATE_TOLERANCE);
         json_number(json, "storms_unit", loop->unit);
         json_number(json, "storms_alarms", loop->fading > 0 ? loop->alarms : (double)NAN);
+        if (loop->gate.is_made) {
+            json_number(json, "storms_gated", loop->gate.storms);
+            json_number(json, "wrong_sensor", loop->gate.sensor);
+            json_number(json, "wrong_sensor_moves", loop->gate.moved);
+        }
         json_number(json, "fading_periods", loop->fading > 0 ? loop->fading : (double)NAN);
         json_number(json, "target_thicknesses",
                     loop->target.is_made ? loop->target.amplitude : (double)NAN);

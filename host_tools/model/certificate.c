@@ -457,6 +457,33 @@ static void alarm_text(const certificate_loop *loop, char text[CERTIFICATE_TEXT]
 }
 
 /*
+ * Append the sentences that say what the sensor gate (block that takes wrong readings away) does in
+ * storms (simulations with fast jumps of the target), and what one wrong sensor does to the shape.
+ */
+static void gate_text(const certificate_loop *loop, char text[CERTIFICATE_TEXT])
+{
+    const certificate_gate *gate = &loop->gate;
+    char unit[CERTIFICATE_UNIT];
+    if (!gate->is_made)
+        return;
+    certificate_unit(loop, unit);
+    if (gate->storms > 0)
+        text_append(text, CERTIFICATE_TEXT,
+                    "\nSENSOR GATE: IN %d OF THESE STORMS IT TAKES HEALTHY READINGS AWAY; state "
+                    "larger ranges.",
+                    gate->storms);
+    else
+        text_append(text, CERTIFICATE_TEXT,
+                    "\nSensor gate: no reading is taken away in these storms.");
+    if (gate->tried > 0)
+        text_append(text, CERTIFICATE_TEXT,
+                    "\nOne sensor that suddenly reads the end of its range moves the shape by at "
+                    "most %.2g %s\n(%d sensors tried; sensor %d reads %.3g)%s.",
+                    gate->moved, unit, gate->tried, gate->sensor, gate->reading,
+                    gate->is_stopped ? ", AND THE SUPERVISOR PARKS THE VOLTAGES" : "");
+}
+
+/*
  * Append the sentence that says how fast the control loop compensates a suddenly applied load, and,
  * where this takes long, why.
  */
@@ -616,6 +643,7 @@ static void loop_text(const certificate_loop *loop, char text[CERTIFICATE_TEXT])
         loop->modes, loop->radius, loop->at_gain, loop->at_frequency);
     storm_text(loop, text);
     alarm_text(loop, text);
+    gate_text(loop, text);
     load_text(loop, text);
     residual_text(loop, text);
     target_text(&loop->target, text);

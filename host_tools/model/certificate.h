@@ -79,6 +79,20 @@ typedef struct certificate_target {
                                      fastest */
 } certificate_target;
 
+/* Result of the stability tests of a loop with a sensor gate, which takes wrong readings away. */
+typedef struct certificate_gate {
+    int storms;   /* number of storms (simulations with fast jumps of the target) in which the gate
+                     takes readings away, although no sensor is wrong */
+    bool is_made; /* whether sensors were wrong, one after the other, in a simulation; what follows
+                     is its result */
+    int tried, sensor; /* number of sensors that were wrong, and the one that moved the shape most,
+                          from 0 */
+    double reading;    /* what this sensor read: the end of its range (unit of the sensor) */
+    double moved;      /* by how much it moved the shape within two periods of the first observed
+                          mode, in the unit of certificate_loop.worst */
+    bool is_stopped;   /* whether the supervisor stopped the loop */
+} certificate_gate;
+
 /*
  * Certificate of a control loop with a vibration model: result of simulations with structures that
  * differ from the model (simulate/certify.h). A storm is a simulation with fast jumps of the
@@ -134,6 +148,7 @@ typedef struct certificate_loop {
                       supervisor, or not tested */
     int alarms;    /* number of storms (simulations with fast jumps of the target) in which the
                       supervisor stops the loop although nothing is wrong with it */
+    certificate_gate gate;
     double less_hysteresis; /* fraction by which the ceramic has less hysteresis than the scene file
                                says in a third of the storms (simulations with fast target jumps); 0
                                where the loop does not compensate hysteresis */

@@ -32,6 +32,29 @@ static int has_damper(const analysis *analysis, bool *has, char *error)
     return failed;
 }
 
+/*
+ * Simulate the certified loop with one sensor after the other at the end of its range, where it has
+ * a sensor gate (block that takes wrong readings away). Returns 0, or -1 with error filled.
+ */
+static int try_wrong_sensors(trial *trial, char *error)
+{
+    certificate_gate *gate = &trial->analysis->certificate.loop.gate;
+    const double first = trial->damper.modes > 0 ? trial->damper.frequency[0] : 0;
+    wrong_sensor wrong;
+    if (!trial->gate.is_used)
+        return 0;
+    trial->rig.is_supervised = true;
+    const int failed = wrong_sensor_run(&trial->rig, &trial->gate.tables, first, &wrong, error);
+    trial->rig.is_supervised = false;
+    gate->is_made = !failed;
+    gate->tried = wrong.tried;
+    gate->sensor = wrong.sensor;
+    gate->reading = wrong.error;
+    gate->moved = wrong.moved;
+    gate->is_stopped = wrong.is_stopped;
+    return failed;
+}
+
 int trial_certify(analysis *analysis, char *error)
 {
     trial trial;
@@ -44,7 +67,7 @@ int trial_certify(analysis *analysis, char *error)
     int failed = trial_open(&trial, analysis, error);
     failed = failed || trial_open_target(&trial, error) < 0 || trial_choose(&trial, error) < 0;
     if (!failed && analysis->certificate.loop.is_stable)
-        failed = trial_choose_fading(&trial, error);
+        failed = trial_choose_fading(&trial, error) || try_wrong_sensors(&trial, error);
     trial_close(&trial);
     return failed ? -1 : 0;
 }

@@ -130,6 +130,7 @@ static bool visit_storm(void *context, const storm_task *task, const storm_resul
     certificate_loop *loop = storms->loop;
     loop->storms++;
     loop->failed += !result->passed;
+    loop->gate.storms += result->gated > 0;
     loop->ticks += (double)result->ticks / storms->count;
     if (result->end > loop->worst) {
         loop->worst = result->end;

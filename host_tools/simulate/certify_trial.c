@@ -9,6 +9,10 @@ int trial_use(trial *trial, const damper_options *options, char *error)
     if (damper_make(&trial->damper, trial->analysis, trial->few, options, error) < 0)
         return -1;
     loop_blocks_fill(&trial->blocks, &trial->analysis->design, &trial->estimator, &trial->damper);
+    sensor_gate_close(&trial->gate);
+    if (!loop_gate_open(&trial->gate, trial->analysis, &trial->estimator, &trial->damper))
+        return storm_no_memory(trial->analysis, error);
+    loop_blocks_gate(&trial->blocks, &trial->gate);
     storm_rig *const rig[] = {&trial->rig, &trial->at_target};
     for (int i = 0; i < 1 + trial->has_target; i++) {
         storm_use(rig[i], trial->blocks.block, trial->blocks.count,
@@ -23,7 +27,8 @@ int trial_open(trial *trial, analysis *analysis, char *error)
     const design *design = &analysis->design;
     memset(trial, 0, sizeof *trial);
     trial->analysis = analysis;
-    const bool needs_estimator = loop_estimates(design) || loop_feeds(design);
+    const bool needs_estimator =
+        loop_estimates(design) || loop_feeds(design) || sensor_gate_is_asked(design);
     if (needs_estimator && estimator_open(&trial->estimator, analysis, error) < 0)
         return -1;
     trial->few = loop_estimates(design) ? &trial->estimator : NULL;
@@ -51,6 +56,7 @@ void trial_close(trial *trial)
     storm_close(&trial->at_target);
     deformed_close(&trial->deformed);
     storm_close(&trial->rig);
+    sensor_gate_close(&trial->gate);
     damper_close(&trial->damper);
     estimator_close(&trial->estimator);
 }

@@ -8,6 +8,7 @@
 
 #include "../model/analysis.h"
 #include "storm_batch.h"
+#include "wrong_sensor.h"
 
 enum {
     PLANTS = 5, /* number of structures on which storms (simulations with fast jumps of the target)
@@ -36,6 +37,7 @@ typedef struct trial {
     const estimator *few; /* estimator that computes the shape from few sensors; NULL: every target
                              node is measured */
     damper damper;
+    sensor_gate gate;
     loop_blocks blocks;
     storm_rig rig;       /* storms (simulations with fast jumps of the target) on the structure that
                             vibrates about its undeformed state */

@@ -142,6 +142,13 @@ static void judge_tick(storm *storm, const schedule *schedule, int k, int *quiet
         result->end = HUGE_VAL;
 }
 
+/* Whether the sensor gate of the loop, if there is one, has taken a reading away in this tick. */
+static bool has_gated(const storm *storm)
+{
+    const pzs_sensor_gate_state *gate = pzs_loop_find(&storm->loop, &pzs_sensor_gate_block);
+    return gate != NULL && gate->info.count > 0;
+}
+
 static pzs_status run_storm(storm *storm, storm_result *result)
 {
     const schedule schedule = schedule_of(storm->rig);
@@ -156,6 +163,7 @@ static pzs_status run_storm(storm *storm, storm_result *result)
             result->is_stopped = true;
             return PZS_OK;
         }
+        result->gated += has_gated(storm);
         judge_tick(storm, &schedule, k, &quiet, result);
     }
     result->passed = result->end <= CERTIFICATE_TOLERANCE;

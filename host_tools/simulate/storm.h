@@ -24,6 +24,7 @@ typedef struct storm_result {
                       mean over the second half of the simulation; only for simulations without
                       voltage limits */
     int ticks;
+    int gated; /* number of ticks in which the sensor gate of the loop has taken readings away */
     bool passed;
     bool is_stopped; /* true: the supervisor has taken control away from the loop, which ends the
                         simulation */

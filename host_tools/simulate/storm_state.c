@@ -114,9 +114,9 @@ static void append_block(storm *storm, const pzs_block *given)
 
 /*
  * Copy the blocks (stages of the control tick) that the simulation runs. A simulation without
- * limits, for the growth of vibrations, leaves out two kinds: the blocks behind the step block,
- * because converter steps and fixed voltages would hide the growth; and the compensation of
- * hysteresis, which needs voltage limits.
+ * limits, for the growth of vibrations, leaves out three kinds: the blocks behind the step block,
+ * because converter steps and fixed voltages would hide the growth; and two that need voltage
+ * limits, the compensation of hysteresis and the sensor gate, whose ranges follow from them.
  */
 static void set_tables(storm *storm)
 {
@@ -124,7 +124,9 @@ static void set_tables(storm *storm)
     for (int k = 0; k < storm->rig->blocks; k++) {
         const pzs_block *given = &storm->rig->block[k];
         const bool is_behind = given->type->phase > PZS_PHASE_STEP;
-        if (!is_free || !(is_behind || given->type == &pzs_effect_block))
+        const bool needs_limits =
+            given->type == &pzs_effect_block || given->type == &pzs_sensor_gate_block;
+        if (!is_free || !(is_behind || needs_limits))
             append_block(storm, given);
     }
 }
@@ -161,6 +163,7 @@ int storm_begin(storm *storm, const storm_rig *rig, const storm_plant *plant, ch
     memset(storm, 0, sizeof *storm);
     storm->rig = rig;
     storm->plant = plant;
+    storm->wrong = -1;
     storm->random = plant->seed;
     storm->history_ticks = rig->delay + (plant->more_delay > 0 ? plant->more_delay : 0) + 1;
     if (!take_run_memory(storm))

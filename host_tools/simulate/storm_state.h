@@ -29,7 +29,10 @@ typedef struct storm {
     bool has_vibration; /* true while the array `part` holds the displacements of the target nodes
                            by vibration in this tick */
     int missed_ticks; /* number of missed ticks since the last tick in which the control loop ran */
-    double noise;     /* standard deviation of the noise of a reading, in the unit of the reading */
+    int wrong; /* sensor that reads `wrong_value` (unit of the sensor) in place of its measurement;
+                  -1: no sensor is wrong */
+    double wrong_value;
+    double noise;   /* standard deviation of the noise of a reading, in the unit of the reading */
     double *memory; /* one allocation that holds `limits` and all arrays of this struct that follow
                        it */
     double *limits; /* [3][amplifiers] lower voltage limits, upper voltage limits and step limits of

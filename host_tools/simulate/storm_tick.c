@@ -69,6 +69,8 @@ static void sense_readings(storm *storm)
     for (size_t i = 0; i < rig->sensors; i++)
         storm->sensed[i] =
             shown[i] + (storm->noise > 0 ? storm->noise * random_noise(&storm->random) : 0);
+    if (storm->wrong >= 0)
+        storm->sensed[storm->wrong] = storm->wrong_value;
 }
 
 /*

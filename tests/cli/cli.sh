@@ -156,6 +156,11 @@ run 0 check plate-50-patches --set "$gate" --json && json "j['sensor_gate']['jud
     run 2 simulate plate-50-patches --set 'simulate={ticks: 9, events: [{at: 1, wrong_sensors: 0, ticks: 3}]}' && says 'wrong sensors need an error' &&
     run 2 simulate plate-50-patches --set 'simulate={ticks: 9, events: [{at: 1, target: 1, error: 3}]}' && says "'error' belongs to wrong_sensors"
 check 'check tells what the sensor gate finds; wrong sensors need an error' $?
+gate='control={rate: 1000, sensor_gate: true}'
+run 0 check plate-50-patches --set "$gate" --json && json "j['certificate']['storms_gated']==0 and j['certificate']['wrong_sensor_moves']<.02" &&
+    run 0 check plate-50-patches --set "$gate" --set 'simulate={ticks: 9, sensors: {range: 0.002}}' && grep -qF 'OF THESE STORMS IT TAKES HEALTHY READINGS AWAY; state larger ranges' "$dir/out" &&
+    run 0 check plate-50-patches --set "control={rate: 1000}" --set "simulate={ticks: 9, sensors: {range: 0.08}}" --json && json "j['certificate']['wrong_sensor_moves']>1"
+check 'the certificate runs the sensor gate in its storms, and one sensor at the end of its range' $?
 gains='control.modal_gains={modes: 4, gain: [0.6, 0.4, 0.3, 0.2], leak: 0.002, other_gain: 0.1}'
 run 0 check "$dir/measured.yaml" --set "$gains" && grep -qF 'gains of modes: 4 singular vectors of the influence matrix, gain 0.2 to 0.6, leak 0.002; the rest: gain 0.1, leak 0' "$dir/out" &&
     run 0 check "$dir/measured.yaml" --set "$gains" --json && json "j['modal_gains']['gain']==[.6,.4,.3,.2] and abs(j['modal_gains']['growth']-.92)<1e-6 and abs(j['modal_gains']['noise']-.6/(.602*1.398)**.5)<1e-9" &&
