@@ -26,7 +26,7 @@ for pair in "$@"; do
     target=$dir/${pair%%:*}.out
     host=$dir/${pair##*:}.out
     sed -n "/^cost tick/d;/^cost stack/d;s/^cost /${pair%%:*}: /p" "$target"
-    grep -q '^cost tick' "$target" || grep '^equilibrium \|^output \|^result ' "$target"
+    grep -q '^cost tick' "$target" || grep '^equilibrium \|^modes \|^output \|^result ' "$target"
     grep -v '^cost' "$target" | tr -d '\r' >"$target.bits"
     grep -v '^cost' "$host" >"$target.host"
     if ! grep -q '^exit 0$' "$target"; then

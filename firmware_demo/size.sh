@@ -57,7 +57,7 @@ shift 2
     $1 == "object" {
         printf "%-30s %8d %8d\n", $2, $3, $4
         name = $2
-        if (!(("object", name, 3) in limit)) sub(/-nonlinear/, "", name)
+        if (!(("object", name, 3) in limit)) sub(/-(nonlinear|modes)/, "", name)
         check("flash", $3, limit["object", name, 3])
         check("ram", $4, 0)
         verdict()

@@ -3,6 +3,7 @@
  *
  *   demo_control.c or demo_linear.c  tables, memory and influence matrix of an image
  *   main.c                           control loop and its results
+ *   demo_modes.c                     linear image: natural frequencies and mode shapes
  *   demo_loads.c or demo_reshape.c   nonlinear image: large rotation under loads, or under voltages
  *   demo_path.c                      functions that the two nonlinear demonstrations share
  *   drill.c                          faults that must end in a status, not in a crash

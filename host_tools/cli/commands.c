@@ -105,6 +105,7 @@ const command_entry command_table[COMMANDS] = {
          "tick observes and damps the vibration modes; --quasi-static leaves that out. "
          "target.free needs the control image.",
          {"pzs tables plate-50-patches --image linear --prefix plate -o plate.h",
+          "pzs tables plate-50-patches --image linear --modes 5 -o plate.h",
           "pzs tables plate-closed-loop --quasi-static --prefix loop -o .", NULL}},
     [COMMAND_SIMULATE] =
         {"simulate",
@@ -302,6 +303,10 @@ const option_entry option_table[OPTIONS] = {
          "a linear or nonlinear image without the stiffness matrices and the geometry "
          "of the element types: a fifth of its tables on a mesh from a file; the "
          "device computes them from the nodes"},
+    [OPTION_MODES] = {"--modes", NULL, "N", ARGUMENT_TEXT, NULL, BIT(COMMAND_TABLES),
+                      "a linear or nonlinear image that also computes the N lowest natural "
+                      "frequencies and mode shapes on the device (1 to 200): adds element mass "
+                      "matrices and the size of the workspace; all materials need a density"},
     [OPTION_QUASI_STATIC] =
         {"--quasi-static", NULL, "", ARGUMENT_NONE, NULL,
          BIT(COMMAND_TABLES) | BIT(COMMAND_SIMULATE) | BIT(COMMAND_FMU),

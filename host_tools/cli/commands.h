@@ -51,6 +51,7 @@ typedef enum option_id {
     OPTION_DEVICE,
     OPTION_IMAGE,
     OPTION_COMPACT,
+    OPTION_MODES,
     OPTION_QUASI_STATIC,
     OPTION_PREFIX,
     OPTION_PLANT,

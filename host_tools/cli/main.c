@@ -13,6 +13,7 @@
 #include "../model/design_build.h"
 #include "../model/follow_path.h"
 #include "../simulate/certify.h"
+#include "../tables/tables_modes.h"
 #include "command_calibrate.h"
 #include "export.h"
 #include "../fmu/fmu.h"
@@ -834,6 +835,24 @@ static int prepare_tables(analysis *analysis, tables_image image, char *error)
     return image == TABLES_NONLINEAR ? prepare_nonlinear(analysis, error) : 0;
 }
 
+/* Print the memory that vibration modes on the device take, where the tables hold them. */
+static void print_modes_memory(const analysis *analysis)
+{
+    const tables_modes *modes = analysis->device_modes;
+    const design *design = &analysis->design;
+    if (!modes)
+        return;
+    const double packed = 4.0 * design->mesh.dof_per_node * (4 * design->mesh.dof_per_node + 1) / 2,
+                 real = (double)sizeof(double),
+                 work = (double)PZS_MODES_BYTES(design->mesh.free_dof, modes->vectors) -
+                        2.0 * modes->vectors;
+    printf("%d vibration modes, %d Lanczos vectors: workspace %.1f KB in float, %.1f in double; "
+           "element mass matrices: %d, flash %.1f KB in float, %.1f in double\n",
+           modes->vibration.count, modes->vectors, work / 2048, work / 1024,
+           modes->mass.tables.types, packed * modes->mass.tables.types * real / 2048,
+           packed * modes->mass.tables.types * real / 1024);
+}
+
 static void print_tables(const options *options, const analysis *analysis, const char *path)
 {
     const design *design = &analysis->design;
@@ -846,33 +865,54 @@ static void print_tables(const options *options, const analysis *analysis, const
     if (options->image == TABLES_NONLINEAR)
         printf("condition %.1e after scaling: %s\n", analysis->model.info.condition,
                tables_allow_float(analysis) ? "float or double" : "refused in float");
+    print_modes_memory(analysis);
     print_vibration_summary(&analysis->certificate, analysis->quasi_static);
     print_test_plans(analysis);
 }
 
-static int command_tables(const options *options, analysis *analysis)
+/* Write the tables to the output file. Returns 0, or an exit code. */
+static int write_tables(const options *options, analysis *analysis)
 {
     outfile output;
     tables_size size;
     work_report work;
     char error[SCENE_ERROR], prefix[SCENE_NAME], path[OPTIONS_PATH];
-    analysis->quasi_static = options->quasi_static;
-    analysis->is_compact = options->is_compact;
-    progress_stage("tables");
-    int status = prepare_tables(analysis, options->image, error);
-    if (status)
-        return complain(error, status);
     work_report_make(&work, analysis);
     if (work_report_check(&work, &analysis->design, error) < 0)
         return complain(error, LOOP_REFUSED);
     table_prefix(options, analysis->design.name, prefix);
-    status = outfile_begin(&output, output_path(options, prefix, ".h", path));
+    int status = outfile_begin(&output, output_path(options, prefix, ".h", path));
     if (status == 0)
         status = outfile_end(&output,
                              tables_write(output.file, analysis, options->image, prefix, &size));
     progress_stop();
     if (status == 0)
         print_tables(options, analysis, path);
+    return status;
+}
+
+static int command_tables(const options *options, analysis *analysis)
+{
+    tables_modes modes;
+    char error[SCENE_ERROR];
+    analysis->quasi_static = options->quasi_static;
+    analysis->is_compact = options->is_compact;
+    if (options->device_modes > 0 && options->image == TABLES_CONTROL)
+        return options_refuse("tables --modes needs --image linear or nonlinear, not", "control");
+    progress_stage("tables");
+    int status = prepare_tables(analysis, options->image, error);
+    if (status)
+        return complain(error, status);
+    memset(&modes, 0, sizeof modes);
+    if (options->device_modes > 0 &&
+        tables_modes_make(&modes, &analysis->design, options->device_modes, error) < 0) {
+        tables_modes_free(&modes);
+        return complain(error, failed_code(analysis));
+    }
+    analysis->device_modes = options->device_modes > 0 ? &modes : NULL;
+    status = write_tables(options, analysis);
+    analysis->device_modes = NULL;
+    tables_modes_free(&modes);
     return status;
 }
 

@@ -170,14 +170,19 @@ static int take_vibration_rate(options *options, const char *value)
                : options_refuse("--vibration is the samples a second of the record, not", value);
 }
 
-static int take_number(options *options, const char *value)
+/*
+ * Read a number of vibration modes, 1 to 200.
+ *   message in  what to answer where the text is no such number, followed by the text
+ * Returns 0, or an exit code.
+ */
+static int take_modes(const char *value, const char *message, int *modes)
 {
     enum { MOST_MODES = 200 };
     char *end;
     const long number = strtol(value, &end, 10);
     if (end == value || *end || number < 1 || number > MOST_MODES)
-        return options_refuse("--number is a whole number from 1 to 200, not", value);
-    options->number = (int)number;
+        return options_refuse(message, value);
+    *modes = (int)number;
     return 0;
 }
 
@@ -236,7 +241,11 @@ static int take_option(options *options, option_id option, const char *value)
     switch (option) {
     case OPTION_SET: return take_set(options, value);
     case OPTION_LIMIT: return take_limit(options, value);
-    case OPTION_NUMBER: return take_number(options, value);
+    case OPTION_NUMBER:
+        return take_modes(value, "--number is a whole number from 1 to 200, not", &options->number);
+    case OPTION_MODES:
+        return take_modes(value, "--modes is a whole number from 1 to 200, not",
+                          &options->device_modes);
     case OPTION_ELECTRODES: return take_circuit(options, value);
     case OPTION_IMAGE: return take_image(options, value);
     case OPTION_JSON: options->as_json = true; return 0;

@@ -32,7 +32,9 @@ typedef struct options {
     common_limits limit[MOST_LIMITS];
     int sets, limits;
     bool as_json, is_strict;
-    int number; /* number of vibration modes that the command line asks for; 0: not given */
+    int number;       /* number of vibration modes that the command line asks for; 0: not given */
+    int device_modes; /* number of vibration modes that a firmware computes on the device (option
+                         --modes); 0: none */
     electrode_circuit circuit; /* circuits of the electrodes for vibration modes */
     bool is_compact; /* whether to write tables without what the device can compute from the nodes
                         (option --compact) */

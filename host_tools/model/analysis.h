@@ -86,11 +86,13 @@ typedef struct analysis {
                   last displacement */
     certificate certificate; /* certificate: result of the stability tests of the control loop,
                                 filled by certificate_make */
-    bool is_compact;   /* whether to leave out of the tables what the device can compute: stiffness
-                          matrices of the element types, and on meshes with compact element types
-                          also the matrices from displacements to strains */
-    bool quasi_static; /* whether to write the controller's tables even where vibration makes the
-                          control loop unstable */
+    bool is_compact; /* whether to leave out of the tables what the device can compute: stiffness
+                        matrices of the element types, and on meshes with compact element types
+                        also the matrices from displacements to strains */
+    const struct tables_modes *device_modes; /* what the tables hold for vibration modes on the
+                                                device (option --modes); NULL: nothing */
+    bool quasi_static;   /* whether to write the controller's tables even where vibration makes the
+                            control loop unstable */
     double linear_error; /* difference between linear and nonlinear displacement relative to the
                             nonlinear one, computed where the scene's kinematics is `auto` */
     load_path load_path; /* points of the load path that leads to the present displacement, each an

@@ -16,6 +16,7 @@
 #include "../model/curves.h"
 #include "../text/words.h"
 #include "loop_blocks.h"
+#include "tables_modes.h"
 #include "tables_nonlinear.h"
 
 const char *const tables_image_name[TABLES_IMAGES] = {
@@ -397,6 +398,8 @@ static int write_nonlinear(emitter *emitter, const analysis *analysis)
 {
     write_structure(emitter, analysis, TABLES_NONLINEAR);
     write_electrodes(emitter, analysis);
+    if (analysis->device_modes)
+        tables_modes_write(emitter, analysis->device_modes, &analysis->design);
     return tables_nonlinear(emitter, analysis);
 }
 
@@ -623,7 +626,13 @@ static int write_problem(emitter *emitter, const analysis *analysis, tables_imag
                 PZS_ELECTRIC_BYTES(design->electrodes.count, open, structure->input.count);        \
         if (image == TABLES_NONLINEAR && design->electrodes.count > 0)                             \
             need.work[k] += PZS_CIRCUIT_BYTES(design->electrodes.count, open);                     \
-        need.stack[k] = image == TABLES_NONLINEAR ? PZS_STACK_NONLINEAR : PZS_STACK_LINEAR;        \
+        if (modes)                                                                                 \
+            need.work[k] += PZS_MODES_BYTES(structure->free_dof, modes->vectors);                  \
+        need.stack[k] = PZS_STACK_LINEAR;                                                          \
+        if (modes)                                                                                 \
+            need.stack[k] = PZS_STACK_MODES;                                                       \
+        if (image == TABLES_NONLINEAR)                                                             \
+            need.stack[k] = PZS_STACK_NONLINEAR;                                                   \
     }
 
 bool tables_are_compact(const analysis *analysis)
@@ -643,6 +652,7 @@ tables_memory tables_need(const analysis *analysis, tables_image image, const ta
     const int controlled = design->problem.inputs > 0;
     const uint32_t open = pzs_electrode_open_count(&design->electrodes);
     const bool is_compact = analysis->is_compact && tables_are_compact(analysis);
+    const tables_modes *modes = image == TABLES_CONTROL ? NULL : analysis->device_modes;
     tables_memory need = {{0, 0}, {0, 0}};
     NEED(float, 0)
     NEED(double, 1)
@@ -926,6 +936,8 @@ int tables_write(FILE *file, const analysis *analysis, tables_image image, const
     } else if (image == TABLES_LINEAR) {
         write_structure(&emitter, analysis, image);
         write_electrodes(&emitter, analysis);
+        if (analysis->device_modes)
+            tables_modes_write(&emitter, analysis->device_modes, &analysis->design);
         fprintf(file, "#define %s_LINEAR 1\n", emitter.upper);
         write_influence_size(&emitter, analysis);
     }

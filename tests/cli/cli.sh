@@ -919,6 +919,11 @@ run 0 tables plate-closed-loop -o "$dir/damped.h" && cp "$dir/out" "$dir/damped.
     grep -q '9 modes from 15.04 to 314.2 Hz, at 1000 ticks a second' "$dir/damped.h" && ! grep -q QUASI_STATIC "$dir/damped.h"; check 'tables of an unstable loop damp vibration' $?
 run 0 tables plate-closed-loop --set control.moving_target=true -o "$dir/x.h" && grep -q 'pzs_governor_block' "$dir/x.h"; check 'tables of a moving target have a governor' $?
 run 0 tables plate-closed-loop --set dynamics='{damping: 0.2}' --set control.rate=4 -o "$dir/x.h" && ! grep -q QUASI_STATIC "$dir/x.h"; check 'tables of a stable loop' $?
+run 0 tables plate-50-patches --image linear --modes 3 --prefix t -o "$dir/modes.h" && grep -q '^#define T_MODES_VECTORS 14' "$dir/modes.h" && grep -q 'static const pzs_mass t_mass' "$dir/modes.h" &&
+    grep -q '3 vibration modes, 14 Lanczos vectors: workspace' "$dir/out" && grep -q 'element mass matrices: 1,' "$dir/out" && run 0 tables plate-50-patches --image linear --modes 3 --set 'masses=[{at: {theta1: 0.1, theta2: 0.1}, mass: 0.01}]' --prefix t -o "$dir/x.h" && grep -q 'element mass matrices: 2,' "$dir/out"
+check 'tables --modes: equal elements share a mass matrix, a concentrated mass has its own' $?
+run 2 tables plate-50-patches --modes 3 -o "$dir/x.h" && says 'needs --image linear or nonlinear' && run 2 tables plate-50-patches --image linear --modes 201 -o "$dir/x.h" && says '--modes is a whole number' &&
+    run 2 tables clamped-plate --image linear --modes 3 -o "$dir/x.h" && says 'no density in material' && run 2 modes plate-50-patches --modes 3 && says 'belongs to tables'; check 'tables --modes: refused without masses, for a control image, for no number' $?
 grep -q '^#define PLATE_CLOSED_LOOP_QUASI_STATIC 1' "$dir/target.h" && grep -q 'has no vibration model' "$dir/target.h"; check '--quasi-static marks the header' $?
 run 0 tables plate-50-patches -o "$dir/none.h" && grep -q 'because the scene gives no tick rate: write control' "$dir/out" && grep -q 'stable up to 0.27 ticks a second' "$dir/out" &&
     run 0 tables free-form-panel -o "$dir/none.h" && grep -q 'vibration is not known: .* no density in materials' "$dir/out"

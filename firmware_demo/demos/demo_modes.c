@@ -1,0 +1,165 @@
+/*
+ * Natural frequencies and mode shapes on the device, before and after a change of the stiffness in
+ * the field. The frequencies must be those that the host has written into the tables; the exit code
+ * is then 0.
+ *
+ * SPDX-License-Identifier: BSD-2-Clause
+ */
+#include <string.h>
+#include "demo.h"
+#include "../boards/board.h"
+#include "../../lib/core/guard.h"
+#include "print.h"
+#include DEMO_TABLES
+
+#define REALS(bytes) (((bytes) + sizeof(pzs_real) - 1u) / sizeof(pzs_real))
+
+/*
+ * Largest relative difference of a squared frequency from that of the tables: rounding errors of
+ * the sum of the strain energies of all elements.
+ */
+#define CLOSE_TO (64 * PZS_EPSILON)
+
+static pzs_real model_work[REALS(DEMO_MODEL_BYTES)] BOARD_LARGE;
+static pzs_real modes_work[REALS(DEMO_MODES_BYTES)] BOARD_LARGE;
+static pzs_real response[DEMO_MODES * DEMO_INPUTS];
+static pzs_real stiffness_factor[sizeof demo_element_types / sizeof *demo_element_types];
+
+/* Assemble and factor the stiffness with the same factor for all element types. */
+static pzs_status factor(pzs_model *model, pzs_real of_all)
+{
+    for (size_t k = 0; k < sizeof stiffness_factor / sizeof *stiffness_factor; k++)
+        stiffness_factor[k] = of_all;
+    const pzs_status status = pzs_assemble(model, stiffness_factor, NULL);
+    return status == PZS_OK ? pzs_factor(model) : status;
+}
+
+static void report(const char *name, const pzs_modes *modes, pzs_status status, uint32_t spent)
+{
+    const size_t shapes = (size_t)DEMO_MODES * DEMO_FREE_DOF;
+    print_text("modes ");
+    print_text(name);
+    print_count("status", status);
+    print_count("converged", modes->info.converged);
+    print_count("below", modes->info.below);
+    print_count("solves", modes->info.linear_solves);
+    print_count("counts", modes->info.counts);
+    print_hex("shapes",
+              ~pzs_guard_crc(GUARD_CRC_START, modes->info.shape, shapes * sizeof(pzs_real)));
+    print_hex("response", ~pzs_guard_crc(GUARD_CRC_START, response, sizeof response));
+    for (uint16_t i = 0; i < DEMO_MODES; i++)
+        print_real("Hz", pzs_modes_frequency(modes, i));
+    print_text("\ncost modes ");
+    print_text(name);
+    print_count("all", spent);
+    print_count("solve", modes->info.linear_solves ? spent / modes->info.linear_solves : 0);
+    print_text(" instructions\n");
+}
+
+static pzs_status find(const char *name, pzs_modes *modes)
+{
+    const uint32_t start = board_count();
+    pzs_status status = pzs_modes_find(modes);
+    const uint32_t spent = board_instructions(start, board_count());
+    if (!PZS_IS_ERROR(status))
+        status = pzs_modes_response(modes, response);
+    report(name, modes, status, spent);
+    return status;
+}
+
+/*
+ * Whether the frequencies are those of the tables times the root of a factor of the stiffness;
+ * compared as squares, so that no root is taken.
+ */
+static int are_expected(const pzs_modes *modes, pzs_real stiffness)
+{
+    int expected = 1;
+    for (uint16_t i = 0; i < DEMO_MODES; i++) {
+        const pzs_real found = pzs_modes_frequency(modes, i),
+                       ratio = found / demo_frequency[i] * (found / demo_frequency[i]) / stiffness;
+        expected = expected && ratio > 1 - CLOSE_TO && ratio < 1 + CLOSE_TO;
+    }
+    return expected;
+}
+
+/* Provoke faults of the mass tables and of the memory. Returns the number of wrong results. */
+static int drill_modes(pzs_model *model)
+{
+    pzs_modes modes = {0};
+    pzs_mass damaged = demo_mass;
+    pzs_status status = pzs_modes_find(&modes);
+    int failed = drill_line("modes-before-init", status == PZS_E_STAGE, status);
+    damaged.crc ^= 1u;
+    status = pzs_modes_init(&modes, model, &damaged, DEMO_MODES, DEMO_MODES_VECTORS, modes_work,
+                            sizeof modes_work);
+    failed += drill_line("mass-damaged", status == PZS_E_CRC, status);
+    damaged = demo_mass;
+    damaged.scene++;
+    status = pzs_modes_init(&modes, model, &damaged, DEMO_MODES, DEMO_MODES_VECTORS, modes_work,
+                            sizeof modes_work);
+    failed += drill_line("mass-of-another-scene", status == PZS_E_FORMAT, status);
+    status = pzs_modes_init(&modes, model, &demo_mass, DEMO_MODES, DEMO_MODES_VECTORS, modes_work,
+                            DEMO_MODES_BYTES - 1);
+    failed += drill_line("modes-work-too-small",
+                         status == PZS_E_WORKSPACE && modes.info.where == (int32_t)DEMO_MODES_BYTES,
+                         status);
+    return failed;
+}
+
+/*
+ * Find the modes, then again with twice the stiffness, from the first of the mode shapes before.
+ * Returns the number of wrong results.
+ */
+static int find_twice(pzs_model *model)
+{
+    static pzs_real start[DEMO_FREE_DOF];
+    pzs_modes modes = {0};
+    pzs_status status = pzs_modes_init(&modes, model, &demo_mass, DEMO_MODES, DEMO_MODES_VECTORS,
+                                       modes_work, sizeof modes_work);
+    modes.settings.shift = DEMO_MODES_SHIFT;
+    if (status == PZS_OK)
+        status = find("reference", &modes);
+    int failed = drill_line("frequencies", status == PZS_OK && are_expected(&modes, 1), status);
+    if (failed)
+        return failed;
+    for (size_t i = 0; i < DEMO_MODES; i++)
+        for (size_t k = 0; k < DEMO_FREE_DOF; k++)
+            start[k] += modes.info.shape[i * DEMO_FREE_DOF + k];
+    modes.settings.start = start;
+    status = factor(model, 2);
+    if (status == PZS_OK)
+        status = find("stiffer", &modes);
+    failed += drill_line("frequencies-of-twice-the-stiffness",
+                         status == PZS_OK && are_expected(&modes, 2), status);
+    return failed;
+}
+
+int main(void)
+{
+    pzs_model model = {0};
+    board_start();
+    pzs_status status = pzs_model_init(&model, &demo_structure, model_work, sizeof model_work);
+    const uint32_t start = board_count();
+    if (status == PZS_OK)
+        status = factor(&model, 1);
+    const uint32_t spent = board_instructions(start, board_count());
+    print_text("model");
+    print_hex("scene", demo_structure.scene);
+    print_count("status", status);
+    print_count("dof", DEMO_FREE_DOF);
+    print_count("modes", DEMO_MODES);
+    print_count("vectors", DEMO_MODES_VECTORS);
+    print_real("condition", model.info.condition);
+    print_text("\ncost model");
+    print_count("factor", spent);
+    print_text(" instructions\n");
+    int failed = status != PZS_OK;
+    if (!failed) {
+        failed += find_twice(&model);
+        failed += drill_modes(&model);
+    }
+    print_text("cost stack");
+    print_count("used", board_stack_used());
+    print_text("\n");
+    return failed > 0;
+}
