@@ -75,7 +75,7 @@ typedef double pzs_real;
  */
 #define PZS_STACK_LINEAR (256u * sizeof(pzs_real))
 #define PZS_STACK_MODES (320u * sizeof(pzs_real))
-#define PZS_STACK_NONLINEAR (2176u * sizeof(pzs_real))
+#define PZS_STACK_NONLINEAR (2192u * sizeof(pzs_real))
 
 /* Return the version of the linked library: the value of PZS_VERSION_TEXT when it was compiled. */
 const char *pzs_version(void);

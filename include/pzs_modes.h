@@ -1,12 +1,12 @@
 /*
  * piezoshape, vibration modes (build of the library for a device, with PZS_MODES=1): natural
  * frequencies and mode shapes of the structure of a linear or nonlinear image, in the undeformed
- * state.
+ * state or about the equilibrium that the nonlinear solver has found.
  * SPDX-License-Identifier: BSD-2-Clause
  *
  * The modes are the lowest solutions of
  *   K x = w^2 M x,   x^T M x = 1
- *   K  stiffness matrix
+ *   K  stiffness matrix; at an equilibrium the tangent stiffness there, with the prestress
  *   M  mass matrix, the sum of the element matrices in pzs_mass
  *   x  mode shape over the free degrees of freedom;   w  angular frequency (rad/s)
  * Method: Lanczos on (K + shift M)^-1 M with full orthogonalisation in the product with M (B. N.
@@ -15,9 +15,10 @@
  * just above the last w^2, are counted: by Sylvester's law of inertia their number is that of the
  * modes below s, so that none is missing, not even one of several equal frequencies.
  *
- * Order of the calls: pzs_model_init, pzs_assemble, pzs_factor, pzs_modes_init, pzs_modes_find.
- * Electrodes have prescribed voltages: an open electrode would stiffen the structure, which is not
- * counted.
+ * Order of the calls: pzs_model_init, pzs_assemble, pzs_factor, pzs_modes_init, pzs_modes_find. At
+ * an equilibrium: pzs_model_init, pzs_solver_init, pzs_modes_init, pzs_equilibrium,
+ * pzs_modes_find_at. Electrodes have prescribed voltages: an open electrode would stiffen the
+ * structure, which is not counted.
  *
  * Accuracy: in double, squared frequencies agree with those of the host to rounding. In float, with
  * the element types in the tables, linear solves are refined and squared frequencies computed from
@@ -29,6 +30,9 @@
 #define PZS_MODES_H
 
 #include "pzs_model.h"
+#if PZS_NONLINEAR
+#include "pzs_nonlinear.h"
+#endif
 
 #if PZS_MODES
 
@@ -66,8 +70,8 @@ pzs_status pzs_mass_seal(pzs_mass *mass, const pzs_structure *structure);
 typedef struct pzs_modes_settings {
     /*
      * squared angular frequency s >= 0 (rad2/s2) that is added as s M to the stiffness matrix;
-     * default 0. A structure that can move as a rigid body needs a value of about
-     * the highest wanted squared frequency
+     * default 0. A structure that can move as a rigid body, or an unstable equilibrium, needs a
+     * value of about the highest wanted squared frequency
      */
     pzs_real shift;
     /*
@@ -88,7 +92,8 @@ typedef struct pzs_modes_settings {
 /* Results of the search for modes that a program may read. */
 typedef struct pzs_modes_info {
     const pzs_real *square; /* [number] squared angular frequencies, ascending (rad2/s2); 0 for
-                               rigid motions */
+                               rigid motions; negative for directions in which an equilibrium is
+                               unstable */
     const pzs_real *shape;  /* [number][free_dof] mode shapes of unit modal mass, largest mean
                                displacement of a node positive */
     uint16_t number;        /* number of modes */
@@ -105,6 +110,8 @@ typedef struct pzs_modes_info {
 typedef struct pzs_modes_state {
     pzs_model *model;
     const pzs_mass *mass;
+    struct pzs_solver *solver; /* equilibrium solver about whose equilibrium the structure vibrates;
+                                  not used in the undeformed state */
     const struct pzs_modes_calls *call; /* how the search assembles and solves */
     pzs_real *basis;      /* [vectors][free_dof] Lanczos vectors, orthonormal with the mass matrix;
                              after success the first of them are the mode shapes */
@@ -192,11 +199,30 @@ pzs_real pzs_modes_frequency(const pzs_modes *modes, uint16_t mode);
 
 /*
  * Compute the static value of each modal coordinate under a constant unit of each input: the work
- * of the input's force on the mode shape divided by w^2.
+ * of the input's force on the mode shape divided by w^2. For modes of pzs_modes_find_at the forces
+ * are those at the equilibrium, zero for an input that prescribes displacements.
  *   response [number][inputs] out  NAN for rigid motions
  * Errors: PZS_E_ARGUMENT, PZS_E_STAGE (no modes were found).
  */
 pzs_status pzs_modes_response(const pzs_modes *modes, pzs_real *response);
+
+#if PZS_NONLINEAR
+
+/*
+ * Find the lowest modes of small vibrations about the equilibrium that pzs_equilibrium has found,
+ * from its tangent stiffness. Degrees of freedom with prescribed displacements do not vibrate; of
+ * follower loads only the symmetric part of the stiffness counts; nodes in contact stay there. With
+ * settings.shift 0 the model holds the factors of the tangent stiffness afterwards, as before;
+ * otherwise pzs_equilibrium must be called before pzs_influence_at. Linear solves are not refined:
+ * the condition number limits the accuracy in float.
+ * Errors: those of pzs_modes_find, and
+ *   PZS_E_ARGUMENT  also for a solver of another model
+ *   PZS_E_STAGE     there is no equilibrium
+ *   PZS_E_NEGATIVE  the equilibrium is unstable: it needs a shift
+ */
+pzs_status pzs_modes_find_at(pzs_modes *modes, pzs_solver *solver);
+
+#endif
 
 #ifdef __cplusplus
 }

@@ -100,6 +100,8 @@ static pzs_status assemble_sum(pzs_modes *modes, pzs_real times)
         return status;
     if (times < 0 || times > 0)
         pzs_mass_add(modes->state.mass, modes->state.model, times);
+    if (modes->state.call->fix_matrix)
+        modes->state.call->fix_matrix(modes);
     return PZS_OK;
 }
 
@@ -128,9 +130,12 @@ static pzs_status factor_shifted(pzs_modes *modes)
     const pzs_status status = assemble_sum(modes, modes->settings.shift);
     if (status != PZS_OK)
         return status;
-    const int32_t loose = pzs_linalg_scale(matrix, model->state.scale);
+    const bool keeps_scale = modes->state.call->keeps_scale;
+    const int32_t loose = keeps_scale ? -1 : pzs_linalg_scale(matrix, model->state.scale);
     if (loose >= 0)
         return fail(modes, PZS_E_LOOSE, loose);
+    if (keeps_scale)
+        pzs_linalg_apply_scale(matrix, model->state.scale);
     const pzs_real norm = pzs_linalg_norm1(matrix, model->state.work);
     const linalg_inertia inertia = pzs_linalg_factor(matrix);
     if (inertia.zero >= 0)
@@ -189,8 +194,8 @@ static bool settings_in_range(const pzs_modes *modes)
 }
 
 /*
- * Provide the factors of K + shift M: those that the model holds if the shift is 0, otherwise new
- * ones.
+ * Provide the factors of K + shift M: those that the model holds if the shift is 0 and their
+ * condition number is known, otherwise new ones.
  */
 static pzs_status prepare(pzs_modes *modes, uint8_t kept_stage)
 {
@@ -198,10 +203,10 @@ static pzs_status prepare(pzs_modes *modes, uint8_t kept_stage)
     pzs_status status = PZS_OK;
     if (!settings_in_range(modes))
         return PZS_E_ARGUMENT;
-    if (modes->settings.shift > 0)
+    if (!(modes->settings.shift > 0) && model->state.stage != kept_stage)
+        return PZS_E_STAGE;
+    if (modes->settings.shift > 0 || modes->state.call->keeps_scale)
         status = factor_shifted(modes);
-    else if (model->state.stage != kept_stage)
-        status = PZS_E_STAGE;
     else
         modes->state.condition = model->info.condition;
     if (status != PZS_OK)
@@ -385,13 +390,11 @@ pzs_status pzs_modes_run(pzs_modes *modes, const struct pzs_modes_calls *call, u
     modes->info.below = 0;
     modes->info.counts = 0;
     pzs_search_begin(modes);
+    const bool keeps_factors = !(modes->settings.shift > 0) && model->state.stage == kept_stage;
     pzs_status status = prepare(modes, kept_stage);
-    if (status == PZS_OK) {
-        model->state.stage = STAGE_READY;
+    if (status == PZS_OK)
         status = search_and_count(modes);
-        if (!(modes->settings.shift > 0))
-            model->state.stage = kept_stage;
-    }
+    model->state.stage = keeps_factors ? kept_stage : model->state.stage;
     if (status == PZS_E_MODES)
         modes->info.where = modes->info.converged;
     if (PZS_IS_ERROR(status))

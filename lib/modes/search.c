@@ -61,6 +61,8 @@ void pzs_search_multiply(const pzs_modes *modes, const pzs_real *vector, pzs_rea
 {
     memset(product, 0, free_dof(modes) * sizeof *product);
     pzs_mass_add_product(modes->state.mass, modes->state.model, 1, vector, product);
+    if (modes->state.call->fix_product)
+        modes->state.call->fix_product(modes, product);
 }
 
 void pzs_search_begin(pzs_modes *modes)

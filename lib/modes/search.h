@@ -14,7 +14,10 @@
 
 #if PZS_MODES
 
-/* How the search assembles and solves, for the undeformed state in undeformed.c. */
+/*
+ * How the search assembles and solves: in the undeformed state (undeformed.c) or about an
+ * equilibrium (at_equilibrium.c).
+ */
 struct pzs_modes_calls {
     /*
      * Assemble the stiffness matrix K, not scaled, in the memory of the model. Returns PZS_OK or an
@@ -34,6 +37,17 @@ struct pzs_modes_calls {
     pzs_real (*squared_frequency)(const pzs_modes *modes, const pzs_real *shape, pzs_real ritz);
     /* Add the force per unit of an input to force [free_dof]. */
     void (*add_input_force)(const pzs_modes *modes, uint32_t input, pzs_real *force);
+    /*
+     * true: the matrix is factored at the begin of every search, with the scale factors of its rows
+     * that the model holds; false: only with a shift, and with new scale factors.
+     */
+    bool keeps_scale;
+    /*
+     * Fix degrees of freedom whose displacement is prescribed: in the assembled matrix K + c M, and
+     * in a product with M [free_dof]. NULL: there are none.
+     */
+    void (*fix_matrix)(pzs_modes *modes);
+    void (*fix_product)(const pzs_modes *modes, pzs_real *product);
 };
 
 /* Begin a search with an empty basis. */
@@ -80,7 +94,10 @@ pzs_real pzs_search_range(const pzs_modes *modes);
  */
 void pzs_search_restart(pzs_modes *modes, uint32_t keep, uint32_t remainders);
 
-/* Multiply the mass matrix with a vector, both [free_dof] and in different arrays. */
+/*
+ * Multiply the mass matrix with a vector, both [free_dof] and in different arrays. The product is
+ * zero at fixed degrees of freedom.
+ */
 void pzs_search_multiply(const pzs_modes *modes, const pzs_real *vector, pzs_real *product);
 
 #endif

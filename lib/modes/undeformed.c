@@ -107,8 +107,8 @@ static void add_input_force(const pzs_modes *modes, uint32_t input, pzs_real *fo
 
 pzs_status pzs_modes_find(pzs_modes *modes)
 {
-    static const struct pzs_modes_calls calls = {assemble_stiffness, solve_force, squared_frequency,
-                                                 add_input_force};
+    static const struct pzs_modes_calls calls = {
+        assemble_stiffness, solve_force, squared_frequency, add_input_force, false, NULL, NULL};
     if (!modes)
         return PZS_E_ARGUMENT;
     if (modes->state.stage < MODES_READY)

@@ -34,6 +34,10 @@ static void fill_path(bridge *tables, const equilibrium *equilibrium)
     tables->given_element = resultants->element;
     tables->given_which = resultants->which;
     tables->given_value = (const double *)resultants->value;
+    tables->motions = equilibrium->tables.prescribed.count;
+    tables->motion_input = equilibrium->tables.prescribed.input;
+    tables->motion_dof = equilibrium->tables.prescribed.dof;
+    tables->motion_value = equilibrium->tables.prescribed.value;
     tables->tolerance = equilibrium->solver.settings.tolerance;
     tables->linear_solves = equilibrium->solver.info.linear_solves;
 }
@@ -231,17 +235,22 @@ void bridge_modes_close(bridge_modes *modes)
 
 typedef struct inside_mass {
     mass_tables tables;
+    linearised about;
     vibration vibration;
 } inside_mass;
 
 int bridge_mass_open(bridge_mass *mass, const bridge *tables, int modes, char *error)
 {
-    const inside *in = tables->inside;
+    inside *in = tables->inside;
     inside_mass *own = calloc(1, sizeof *own);
+    const bool is_loaded = in->analysis.is_nonlinear && !in->is_unsolved;
     memset(mass, 0, sizeof *mass);
     mass->inside = own;
     if (!own || mass_tables_make(&own->tables, &in->analysis.design, MASS_LUMPED, error) < 0 ||
-        vibration_solve(&own->vibration, &in->analysis.design, modes, MASS_LUMPED, error) < 0)
+        (is_loaded &&
+         !linearised_take(&own->about, &in->analysis.design, &in->analysis.equilibrium.solver)) ||
+        vibration_solve_at(&own->vibration, &in->analysis.design, is_loaded ? &own->about : NULL,
+                           CIRCUIT_SHORT, modes, MASS_LUMPED, error) < 0)
         return -1;
     mass->types = own->tables.tables.types;
     mass->element_type = own->tables.element_type;
@@ -259,6 +268,7 @@ void bridge_mass_close(bridge_mass *mass)
     inside_mass *own = mass->inside;
     if (own) {
         mass_tables_free(&own->tables);
+        linearised_free(&own->about);
         vibration_free(&own->vibration);
     }
     free(own);

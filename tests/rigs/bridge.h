@@ -50,6 +50,9 @@ typedef struct bridge {
     const uint32_t *given_start; /* arrays of pzs_prescribed_resultants */
     const uint16_t *given_element, *given_which;
     const double *given_value; /* [given_values][10] prescribed resultants (N m) */
+    int motions, motion_input; /* arrays of pzs_prescribed_motion, and its input */
+    const uint16_t *motion_dof;
+    const double *motion_value; /* [motions] (m and 1) */
     int electrodes; /* number of electrodes in pzs_electrodes; 0 where the scene has no sensors */
     const uint16_t *electrode_input;
     const uint8_t *electrode_open;
