@@ -717,7 +717,9 @@ static void iterate(pzs_optimiser *optimiser, pzs_real rounding)
     const uint32_t most = optimiser->iterations + 4u * optimiser->inputs + 8u;
     bool blocked = true;
     pzs_tableau_read_pivots(optimiser);
-    while (blocked && may_iterate(optimiser, 0))
+    // A descent takes an input out of the free set, so that there are no more descents than inputs.
+    // Damaged memory, which may put inputs back and raise the work limit, could make them endless.
+    while (blocked && optimiser->iterations < most && may_iterate(optimiser, 0))
         blocked = descend(optimiser);
     blocked = blocked || !(largest_active_violation(optimiser, optimiser->direction, 0) > rounding);
     for (uint32_t k = 0; !blocked && k < TOGETHER && release_together(optimiser, rounding); k++)

@@ -201,7 +201,8 @@ void pzs_tableau_exchange(pzs_optimiser *optimiser, uint32_t k, pzs_real *restri
     update[k] = -sign * scale;
     row[k] = optimiser->pivot[k] = -1 / pivot;
     optimiser->exchange[optimiser->pending_count++] = (pzs_exchange){k, sign, scale, row[k]};
-    optimiser->free_set[k] = 1 - optimiser->free_set[k];
+    // Not 1 - free_set[k], which keeps a number between 0 and 1 of damaged memory above 0.
+    optimiser->free_set[k] = optimiser->free_set[k] > 0 ? 0 : 1;
     optimiser->active_count += optimiser->free_set[k] > 0 ? UINT32_MAX : 1u;
     optimiser->exchanges++;
     optimiser->inverse_trace = 0;
