@@ -1071,10 +1071,14 @@ typedef struct pzs_governor_state {
      */
     pzs_control optimum;
     /*
-     * [inputs] voltages that the governor (which slows targets down) moves gradually to those that
-     * are optimal for the target in static equilibrium (V)
+     * [3][inputs rounded up to a multiple of 4] three copies, against damaged memory, of the
+     * voltages that the governor (which slows targets down) moves gradually to those that are
+     * optimal for the target in static equilibrium (V)
      */
     pzs_real *reference;
+    pzs_real *optimal; /* [3][inputs rounded up to a multiple of 4] three copies, against damaged
+                          memory, of the voltages that are optimal for the target in static
+                          equilibrium (V) */
     /*
      * [inputs] voltages (V) by which the governor, which slows targets down, corrects the target:
      * it subtracts the shape that the controller predicts for them. They are
@@ -1101,7 +1105,7 @@ extern const pzs_block_type pzs_governor_block;
 #define PZS_GOVERNOR_BLOCK_BYTES(inputs, outputs)                                                  \
     PZS_ALIGNED(PZS_ALIGNED(sizeof(pzs_governor_state)) +                                          \
                 PZS_ALIGNED(PZS_CONTROL_BYTES(inputs, outputs)) +                                  \
-                sizeof(pzs_real) * (2u * PZS_FOURS(inputs) + 2u * (size_t)(outputs)))
+                sizeof(pzs_real) * (7u * PZS_FOURS(inputs) + 2u * (size_t)(outputs)))
 
 /* ---- feed-forward of known loads and temperatures (lib/control/feed_forward.c) */
 

@@ -49,9 +49,26 @@ static void place(pzs_governor_state *state, const pzs_governor *tables, pzs_con
     state->control = control;
     state->reference =
         (void *)((uint8_t *)work_of(state) + PZS_ALIGNED(pzs_control_bytes(problem)));
-    state->ahead = state->reference + width;
+    state->optimal = state->reference + 3 * width;
+    state->ahead = state->optimal + 3 * width;
     state->target = state->ahead + width;
     state->wanted = state->target + problem->outputs;
+}
+
+/*
+ * Make the second and third copy of a voltage vector [3][width], which protect it against damaged
+ * memory, equal to the first one. The width is the number of inputs rounded up to a multiple of 4.
+ */
+static void copy_voltages(pzs_real *copies, size_t width)
+{
+    memcpy(copies + width, copies, width * sizeof *copies);
+    memcpy(copies + 2 * width, copies, width * sizeof *copies);
+}
+
+/* Replace the three copies [3][width] of a voltage vector by their majority. */
+static void vote(pzs_real *copies, size_t width)
+{
+    pzs_guard_vote(copies, copies + width, copies + 2 * width, width * sizeof *copies);
 }
 
 /*
@@ -82,8 +99,12 @@ static pzs_status block_init(void *self, const void *tables, pzs_loop_signals *s
         return PZS_E_STAGE;
     memset(state, 0, sizeof *state);
     place(state, governor, signals->control);
+    const size_t width = PZS_FOURS(problem->inputs);
+    memset(state->reference, 0, 6 * width * sizeof *state->reference);
     memcpy(state->reference, signals->control->state.voltage,
            problem->inputs * sizeof *state->reference);
+    copy_voltages(state->reference, width);
+    memcpy(state->optimal, state->reference, 3 * width * sizeof *state->optimal);
     return pzs_control_init(&state->optimum, problem, influence_of(signals->control),
                             work_of(state), pzs_control_bytes(problem));
 }
@@ -135,7 +156,6 @@ static void find_optimum(pzs_governor_state *state, const pzs_real *wanted)
     const pzs_problem *problem = state->control->state.problem;
     const size_t bytes = problem->inputs * sizeof(pzs_real);
     pzs_control *optimum = &state->optimum;
-    pzs_control_restore(optimum, problem, influence_of(state->control), work_of(state));
     for (int copy = 0; copy < 3; copy++)
         memcpy(optimum->state.held[copy], state->control->state.held[copy], bytes);
     pzs_control_restore_limits(optimum);
@@ -144,6 +164,8 @@ static void find_optimum(pzs_governor_state *state, const pzs_real *wanted)
     memcpy(state->target, wanted, problem->outputs * sizeof *wanted);
     state->has_target = !PZS_IS_ERROR(pzs_step(optimum, wanted));
     pzs_control_complete(optimum);
+    memcpy(state->optimal, optimum->state.voltage, bytes);
+    copy_voltages(state->optimal, PZS_FOURS(problem->inputs));
 }
 
 /*
@@ -154,7 +176,7 @@ static pzs_real largest_part(const pzs_governor_state *state)
 {
     pzs_real part = 1;
     for (uint32_t j = 0; j < state->control->state.problem->inputs; j++) {
-        const pzs_real way = number_absolute(state->optimum.state.voltage[j] - state->reference[j]);
+        const pzs_real way = number_absolute(state->optimal[j] - state->reference[j]);
         const pzs_real most = state->tables->part * state->control->state.step_limit[j];
         part = part * way > most ? most / way : part;
     }
@@ -175,15 +197,34 @@ static bool move_reference(pzs_governor_state *state)
     const pzs_real part = largest_part(state);
     bool is_moving = false;
     for (uint32_t j = 0; j < state->control->state.problem->inputs; j++) {
-        const pzs_real way = state->optimum.state.voltage[j] - state->reference[j];
+        const pzs_real way = state->optimal[j] - state->reference[j];
         const pzs_real move = part * way;
-        state->reference[j] =
-            part < 1 ? state->reference[j] + move : state->optimum.state.voltage[j];
-        state->ahead[j] =
-            state->optimum.state.voltage[j] - state->reference[j] - move / state->tables->share;
+        state->reference[j] = part < 1 ? state->reference[j] + move : state->optimal[j];
+        state->ahead[j] = state->optimal[j] - state->reference[j] - move / state->tables->share;
         is_moving |= !(way >= 0 && way <= 0);
     }
+    copy_voltages(state->reference, PZS_FOURS(state->control->state.problem->inputs));
     return is_moving;
+}
+
+/*
+ * Repair what damaged memory may have changed in the governor. As in the controller of the loop,
+ * pointers, sizes and one row of the Hessian in each tick are compared with the tables; voltages
+ * that stay from tick to tick are replaced by the majority of their three copies.
+ */
+static void repair(pzs_governor_state *state)
+{
+    const pzs_problem *problem = state->control->state.problem;
+    const size_t width = PZS_FOURS(problem->inputs), bytes = problem->inputs * sizeof(pzs_real);
+    pzs_control *optimum = &state->optimum;
+    pzs_control_restore(optimum, problem, influence_of(state->control), work_of(state));
+    guard_repair_bool(&state->has_target);
+    vote(state->reference, width);
+    vote(state->optimal, width);
+    if (are_equal(optimum->state.voltage, state->optimal, problem->inputs))
+        return;
+    memcpy(optimum->state.voltage, state->optimal, bytes);
+    pzs_control_moved(optimum);
 }
 
 static pzs_status block_tick(void *self, pzs_loop_signals *signals)
@@ -191,6 +232,7 @@ static pzs_status block_tick(void *self, pzs_loop_signals *signals)
     pzs_governor_state *state = self;
     const pzs_problem *problem = signals->control->state.problem;
     place(state, signals->tables, signals->control);
+    repair(state);
     if (pzs_guard_nonfinite(signals->wanted, problem->outputs) >= 0)
         return PZS_OK; /* If the target shape is not finite, the governor leaves it unchanged. The
                           controller then keeps the last voltages and returns a warning. */
