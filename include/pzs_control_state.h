@@ -627,17 +627,21 @@ typedef struct pzs_estimate_state {
 typedef struct pzs_damper_state {
     struct pzs_control *control;
     const struct pzs_vibration *tables;
-    pzs_real *late; /* [3][width >= modes] estimated state of the vibration modes at the time of the
-                       readings: modal position, modal velocity divided by angular frequency, and
-                       static modal position under the loads (m) */
-    pzs_real *now;  /* [3][width >= modes] estimated state of the vibration modes at the present
-                       tick: modal position, modal velocity divided by angular frequency, and static
-                       modal position under the loads (m) */
+    /*
+     * [2][4][width >= modes] what the damper keeps of the vibration modes from tick to tick, twice
+     * against damaged memory: their estimated state at the time of the readings (modal position,
+     * modal velocity divided by angular frequency, static modal position under the loads), then
+     * `residual_modes` (m)
+     */
+    pzs_real *late;
+    pzs_real *now; /* [3][width >= modes] estimated state of the vibration modes at the present
+                      tick: modal position, modal velocity divided by angular frequency, and static
+                      modal position under the loads (m) */
     pzs_real *velocity_before; /* [width >= modes] velocity of each vibration mode divided by its
                                   angular frequency, at the last tick (m) */
     pzs_real *residual_modes; /* [width >= modes] low-passed coordinates of the vibration modes that
                                  fit the innovations, which are readings minus predicted readings
-                                 (m) */
+                                 (m); part of `late` */
     pzs_real *work;        /* [2][width >= modes] work array for two vectors with an entry for each
                               vibration mode */
     pzs_real *equilibrium; /* [delay + 1][width >= modes] ring buffer: static position of each
@@ -652,9 +656,18 @@ typedef struct pzs_damper_state {
     pzs_real *sensed;     /* [sensors] readings of the last tick (unit of each sensor) */
     pzs_real *residual; /* [sensors] low-passed innovation: reading minus predicted reading (unit of
                            each sensor) */
-    pzs_real *damping;  /* [inputs] damping gradient: term that a tick which damps vibration
-                           subtracts from half the gradient of its objective, so that the voltages
-                           take energy out of the vibration (m2/V) */
+    /*
+     * bound of the norm of `residual` (unit of the sensors), which only damaged memory exceeds: the
+     * norms of the innovations, low-passed like the innovations themselves
+     */
+    pzs_real residual_most;
+    /* norm of the innovations of this tick (unit of the sensors) */
+    pzs_real innovation_norm;
+    /*
+     * [inputs] damping gradient: term that a tick which damps vibration subtracts from half the
+     * gradient of its objective, so that the voltages take energy out of the vibration (m2/V)
+     */
+    pzs_real *damping;
     pzs_real *carry;  /* [inputs] parts of earlier voltage changes that the amplifiers have not yet
                          made (V) */
     uint8_t *repeats; /* [sensors] number of ticks in which a reading stayed constant although it
@@ -663,6 +676,7 @@ typedef struct pzs_damper_state {
                         each tick: `equilibrium` (static positions of the vibration modes) and
                         `expected` (static readings of the sensors) */
     uint8_t stage;
+    uint32_t late_sum; /* exclusive or of the words of the first copy in `late` */
 } pzs_damper_state;
 
 typedef struct pzs_compensator_state {

@@ -995,7 +995,7 @@ typedef struct pzs_damper {
  */
 #define PZS_FOURS(n) (((size_t)(n) + 3u) / 4u * 4u)
 #define PZS_DAMPER_BYTES(modes, inputs, sensors, delay)                                            \
-    (sizeof(pzs_real) * (((size_t)(delay) + 11u) * PZS_FOURS(modes) +                              \
+    (sizeof(pzs_real) * (((size_t)(delay) + 15u) * PZS_FOURS(modes) +                              \
                          ((size_t)(delay) + 5u) * PZS_FOURS(sensors) + 2u * PZS_FOURS(inputs)) +   \
      (size_t)(sensors))
 

@@ -168,8 +168,9 @@ static void record_voltages(pzs_damper *damper)
                            tables->sensors, tables->inputs);
     } else {
         pzs_control_predict(control);
-        memcpy(expected_of(damper, 0), control->state.predicted,
-               tables->sensors * sizeof(pzs_real));
+        if (tables->delay > 0)
+            memcpy(expected_of(damper, 0), control->state.predicted,
+                   tables->sensors * sizeof(pzs_real));
     }
 }
 
@@ -237,6 +238,81 @@ static void catch_up(pzs_damper *damper)
         predict(damper, damper->state.now, equilibrium_of(damper, age));
 }
 
+/* ---- damaged memory ---------------------------------------------------- */
+
+/*
+ * Factor by which rounding errors may raise the squared norm of the residuals above its bound. It
+ * is generous, as only damage far above the usual size of the residuals must be found.
+ */
+#define RESIDUAL_ROUNDING 2
+
+static inline uint32_t word_at(const uint8_t *at)
+{
+    uint32_t word;
+    memcpy(&word, at, sizeof word);
+    return word;
+}
+
+/*
+ * Return the exclusive or of all 32-bit words of the state of the vibration modes, [4][width]: it
+ * changes with every single flipped bit. The width is a multiple of 4.
+ */
+static uint32_t word_sum(const pzs_real *state, size_t width)
+{
+    const uint8_t *at = (const uint8_t *)state, *const end = at + 4 * width * sizeof *state;
+    uint32_t sum = 0;
+    for (; at < end; at += 16)
+        sum ^= word_at(at) ^ word_at(at + 4) ^ word_at(at + 8) ^ word_at(at + 12);
+    return sum;
+}
+
+/* Store a copy of the state of the vibration modes for the next tick, and the sum of its words. */
+static void keep_state(pzs_damper *damper)
+{
+    const size_t width = width_of(damper);
+    pzs_real *late = damper->state.late;
+    memcpy(late + 4 * width, late, 4 * width * sizeof *late);
+    damper->state.late_sum = word_sum(late, width);
+}
+
+/*
+ * If the state of the vibration modes is not that of the end of the last tick, take its copy. One
+ * damaged number would otherwise drive the voltages to their limits, for as long as the observer
+ * takes to forget it. Where the copy has another sum as well, the sum itself is damaged.
+ */
+static void repair_state(pzs_damper *damper)
+{
+    const size_t width = width_of(damper);
+    pzs_real *late = damper->state.late;
+    if (word_sum(late, width) != damper->state.late_sum &&
+        word_sum(late + 4 * width, width) == damper->state.late_sum)
+        memcpy(late, late + 4 * width, 4 * width * sizeof *late);
+}
+
+/* Whether residuals with the sum of squares `energy` cannot exceed `most`, their bound. */
+static bool is_within(pzs_real energy, pzs_real most)
+{
+    return energy <= RESIDUAL_ROUNDING * most * most;
+}
+
+/*
+ * Update the bound of the norm of the residuals, which are the low-passed innovations. If they
+ * exceed it, memory was damaged: start the low-pass filter again from the present innovations, and
+ * their modal coordinates from `change`.
+ *   sudden in  sum of the squared differences between the innovations and the residuals
+ */
+static void check_residuals(pzs_damper *damper, pzs_real sudden, const pzs_real *change)
+{
+    const pzs_vibration *tables = damper->state.tables;
+    const pzs_real size = damper->state.innovation_norm, before = damper->state.residual_most;
+    damper->state.residual_most = before + tables->slow * (size - before);
+    if (is_within(sudden, size + before))
+        return;
+    memcpy(damper->state.residual, damper->state.innovation, tables->sensors * sizeof *change);
+    memcpy(damper->state.residual_modes, change, tables->modes * sizeof *change);
+    damper->state.residual_most = size;
+}
+
 /* ---- readings --------------------------------------------------------- */
 
 /* Return the table [sensors][modes] of readings per unit of each modal coordinate. */
@@ -286,12 +362,14 @@ static uint32_t replace_unusable(pzs_damper *damper, int32_t *where)
     const uint32_t sensors = damper->state.tables->sensors;
     const uint8_t *repeats = damper->state.repeats;
     pzs_real *innovation = damper->state.innovation, *rest = damper->state.predicted;
+    const pzs_real *residual = damper->state.residual;
+    const pzs_real most = RESIDUAL_ROUNDING * damper->state.residual_most;
     uint32_t unusable = 0;
     find_residuals(damper, rest);
     for (uint32_t i = 0; i < sensors; i++) {
         if (!sensor_is_unusable(repeats[i]) && number_absolute(innovation[i]) <= DEVIATION_LIMIT)
             continue;
-        innovation[i] = rest[i];
+        innovation[i] = number_absolute(residual[i]) <= most ? rest[i] : 0;
         *where = unusable++ == 0 ? (int32_t)i : *where;
     }
     return unusable;
@@ -311,8 +389,9 @@ static uint32_t compare(pzs_damper *damper, const pzs_real *readings, int32_t *w
     damper->info.is_repeated = true;
     const uint32_t rejected = pzs_sensor_check(&all, readings, where, &damper->info.is_repeated);
     const pzs_real energy = pzs_product_dot(innovation, innovation, sensors);
-    const bool is_usable = rejected == 0 && energy <= DEVIATION_LIMIT * DEVIATION_LIMIT;
-    return is_usable ? 0 : replace_unusable(damper, where);
+    const bool is_small = energy <= DEVIATION_LIMIT * DEVIATION_LIMIT;
+    damper->state.innovation_norm = is_small ? PZS_SQRT(energy) : damper->state.residual_most;
+    return rejected == 0 && is_small ? 0 : replace_unusable(damper, where);
 }
 
 /*
@@ -387,6 +466,7 @@ static void correct(pzs_damper *damper)
     (void)low_pass(damper->state.residual_modes, change, tables->slow, modes);
     const pzs_real sudden =
         low_pass(damper->state.residual, damper->state.innovation, tables->slow, tables->sensors);
+    check_residuals(damper, sudden, change);
     const pzs_real energy = has_free_functions(tables) ? explained : sudden;
     damper->info.innovation = energy > 0 ? PZS_SQRT(energy / (pzs_real)tables->sensors) : 0;
 }
@@ -500,17 +580,19 @@ static void lay_out(pzs_damper *damper, pzs_real *at)
     const size_t width = width_of(damper), sensors = sensor_width(damper);
     const size_t rows = damper->state.tables->delay + 1u;
     damper->state.late = at;
-    damper->state.now = at + 3 * width;
-    damper->state.velocity_before = at + 6 * width;
-    damper->state.residual_modes = at + 7 * width;
-    damper->state.work = at + 8 * width;
-    damper->state.equilibrium = at + 10 * width;
-    at += (10 + rows) * width;
+    damper->state.residual_modes = at + 3 * width;
+    damper->state.now = at + 8 * width;
+    damper->state.velocity_before = at + 11 * width;
+    damper->state.work = at + 12 * width;
+    damper->state.equilibrium = at + 14 * width;
+    at += (14 + rows) * width;
     damper->state.predicted = at;
     damper->state.innovation = at + sensors;
     damper->state.sensed = at + 2 * sensors;
     damper->state.residual = at + 3 * sensors;
-    damper->state.expected = at + 4 * sensors;
+    // Without delay the predicted shape of the controller lasts long enough.
+    const bool is_shared = rows == 1 && damper->state.tables->direct == NULL;
+    damper->state.expected = is_shared ? damper->state.control->state.predicted : at + 4 * sensors;
     at += (4 + rows) * sensors;
     damper->state.damping = at;
     at += PZS_FOURS(damper->state.tables->inputs);
@@ -535,6 +617,8 @@ static void set_initial_state(pzs_damper *damper)
     }
     memcpy(damper->state.late, equilibrium_of(damper, 0), bytes);
     memcpy(damper->state.now, equilibrium_of(damper, 0), bytes);
+    damper->state.residual_most = 0;
+    keep_state(damper);
 }
 
 /* Set the pointers of the vibration damper to its controller, its tables and its arrays. */
@@ -569,12 +653,9 @@ pzs_status pzs_damper_init(pzs_damper *damper, pzs_control *control, const pzs_v
     return finish(damper, PZS_OK, -1);
 }
 
-pzs_status pzs_damper_tick(pzs_damper *damper, const pzs_real *readings, pzs_real *shape)
+/* One tick without repair of damaged memory; arguments and result are those of pzs_damper_tick. */
+static pzs_status tick(pzs_damper *damper, const pzs_real *readings, pzs_real *shape)
 {
-    if (damper == NULL || shape == NULL)
-        return PZS_E_ARGUMENT;
-    if (damper->state.stage != READY)
-        return PZS_E_STAGE;
     const pzs_vibration *tables = damper->state.tables;
     uint32_t unusable = tables->sensors;
     int32_t where = -1;
@@ -599,16 +680,36 @@ pzs_status pzs_damper_tick(pzs_damper *damper, const pzs_real *readings, pzs_rea
     return finish(damper, unusable < tables->sensors ? PZS_W_SENSOR : PZS_W_HELD, where);
 }
 
+pzs_status pzs_damper_tick(pzs_damper *damper, const pzs_real *readings, pzs_real *shape)
+{
+    if (damper == NULL || shape == NULL)
+        return PZS_E_ARGUMENT;
+    if (damper->state.stage != READY)
+        return PZS_E_STAGE;
+    repair_state(damper);
+    const pzs_status status = tick(damper, readings, shape);
+    keep_state(damper);
+    return status;
+}
+
+/* Predict the vibration modes over missed ticks, without repair of damaged memory. */
+static void skip(pzs_damper *damper, uint16_t ticks)
+{
+    for (uint16_t i = 0; i < ticks; i++)
+        advance(damper, i > 0);
+    if (ticks > 0)
+        catch_up(damper);
+}
+
 pzs_status pzs_damper_skip(pzs_damper *damper, uint16_t ticks)
 {
     if (damper == NULL)
         return PZS_E_ARGUMENT;
     if (damper->state.stage != READY)
         return PZS_E_STAGE;
-    for (uint16_t i = 0; i < ticks; i++) {
-        advance(damper, i > 0);
-        catch_up(damper);
-    }
+    repair_state(damper);
+    skip(damper, ticks);
+    keep_state(damper);
     return finish(damper, PZS_OK, -1);
 }
 
@@ -661,8 +762,10 @@ static pzs_status block_tick(void *self, pzs_loop_signals *signals)
     const pzs_vibration *tables = signals->tables;
     pzs_real *shape = (void *)((uint8_t *)work_of(damper) + workspace_of(tables));
     place(damper, signals->control, tables, work_of(damper));
-    (void)pzs_damper_skip(damper, (uint16_t)signals->missed);
-    const pzs_status status = pzs_damper_tick(damper, signals->readings, shape);
+    repair_state(damper);
+    skip(damper, (uint16_t)signals->missed);
+    const pzs_status status = tick(damper, signals->readings, shape);
+    keep_state(damper);
     /*
      * Damaged memory may make the state of the vibration modes infinite or NaN; the state then
      * starts again in static equilibrium.
