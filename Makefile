@@ -180,7 +180,7 @@ $(call for_variants,polarity,64 32 san64 san32,$(DAMPED))
 $(call for_variants,selftest,64 32 san64 san32,@bridge64.o)
 $(call for_variants,recursive,64 32 san64 san32,@bridge64.o)
 $(call for_variants,pulse_faults,64 32 san64 san32,)
-$(foreach t,flips supervisor heartbeat output_gate hysteresis actuator_curve,$(call for_variants,$(t),64 32 san64 san32,))
+$(foreach t,flips damped_flips supervisor heartbeat output_gate hysteresis actuator_curve,$(call for_variants,$(t),64 32 san64 san32,))
 $(call for_variants,estimator,64 san64,@tests/rigs/scene_run.o @host.a)
 $(call for_variants,shell,64 san64,@tests/rigs/testdata.o @host.a)
 $(call for_variants,panel,64 san64,@tests/rigs/quad_shell.o @tests/rigs/scene_run.o @host.a)
@@ -256,6 +256,17 @@ GATE_OBJECTS := $(foreach v,64 32 san64 san32,$(B)/$(v)/tests/unit/test_flips.o)
 $(GATE_OBJECTS): $(B)/tables/gate_plate.h
 $(GATE_OBJECTS): INCLUDE += -I$(B)/tables
 
+# The demonstration's plate with a loop that damps vibration, follows moving targets and compensates hysteresis.
+DAMPED_PLATE := plate-50-patches --set 'limits.voltage=[-300, 300]' --set limits.step_limit=20 \
+    --set 'control={rate: 1000, moving_target: true}' --set 'hysteresis={range: [-300, 300], slopes: [0.5, 0.5, 0.5, 0.5], slack: [30, 120], above: [0.3, 0.2]}' \
+    --image control --prefix plate
+$(B)/tables/damped_plate.h: $(B)/pzs
+	@mkdir -p $(@D)
+	$< tables $(DAMPED_PLATE) -o $@ >/dev/null 2>&1
+DAMPED_OBJECTS := $(foreach v,64 32 san64 san32,$(B)/$(v)/tests/unit/test_damped_flips.o)
+$(DAMPED_OBJECTS): $(B)/tables/damped_plate.h
+$(DAMPED_OBJECTS): INCLUDE += -I$(B)/tables
+
 # Part of the sweep of equilibria with the unit tests, all of it with check-long.
 UNIT_64 += $(B)/test/sweep-64
 $(B)/test/sweep-64: $(B)/64/tests/unit/sweep_path.o $(B)/64/tests/rigs/scene_run.o $(B)/64/host.a $(B)/64/libpiezoshape.a
@@ -319,6 +330,8 @@ check-long: setup-test
 	    $(B)/$$bits/libpiezoshape.a -lcmocka -lm -o $(B)/long-faults && $(B)/long-faults || exit 1; done
 	for bits in 32 64; do $(CC) $(WARN) -O2 -DPZS_REAL_BITS=$$bits -DFLIPS=1000000 -DWINDOWS=20000 $(INCLUDE) -I$(B)/tables \
 	    tests/unit/test_flips.c $(B)/$$bits/libpiezoshape.a -lcmocka -lm -o $(B)/long-flips && $(B)/long-flips || exit 1; done
+	for bits in 32 64; do $(CC) $(WARN) -O2 -DPZS_REAL_BITS=$$bits -DFLIPS=1000000 $(INCLUDE) -I$(B)/tables \
+	    tests/unit/test_damped_flips.c $(B)/$$bits/libpiezoshape.a -lcmocka -lm -o $(B)/long-flips && $(B)/long-flips || exit 1; done
 	for bits in 32 64; do $(CC) $(WARN) -O2 -DPZS_REAL_BITS=$$bits -DPZS_DUAL_INPUTS=1u -DFLIPS=1000000 -DWINDOWS=20000 $(INCLUDE) \
 	    -I$(B)/tables tests/unit/test_flips.c $(LIB) -lcmocka -lm -o $(B)/long-flips && $(B)/long-flips || exit 1; done
 	for bits in 32 64; do $(CC) $(WARN) -O2 -DPZS_REAL_BITS=$$bits -DLONG_TICKS=1000000 $(INCLUDE) tests/unit/test_supervisor.c \
