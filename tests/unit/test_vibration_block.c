@@ -847,10 +847,15 @@ static void converter_steps_are_carried(void **state)
     structure_close(&s);
 }
 
-/* Eight sensors of the plate settle storms too. */
+/*
+ * Eight sensors of the plate settle storms too. Two stand beside the axis of symmetry at different
+ * distances from the clamped edge: a symmetric pair gives one combination of
+ * the static positions of both twisting modes, and the Riccati equation of the observer would have
+ * no solution.
+ */
 static void few_sensors_settle(void **state)
 {
-    static const size_t sensor[] = {16, 38, 60, 82, 104, 110, 115, 120};
+    static const size_t sensor[] = {16, 38, 60, 82, 99, 104, 115, 120};
     const damper_settings settings = damper_default_settings();
     modal_structure s;
     (void)state;
