@@ -84,6 +84,7 @@ part scipy-curves "/usr/bin/python3 tests/oracle/curves.py $B/pzs"
 part integrators 'sh tests/oracle/modal_gains.sh'
 part exact-modes 'sh tests/oracle/exact_modes.sh'
 part gates 'sh tests/oracle/sensor_gate.sh'
+part device-modes 'sh tests/oracle/device_modes.sh'
 part gmsh 'sh tests/cli/gmsh.sh'
 part target-start 'sh tests/target/start.sh'
 part target-bound 'sh tests/target/bound.sh'

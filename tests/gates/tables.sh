@@ -184,6 +184,41 @@ tap $? 'linear image with open electrodes: the influence matrix of pzs shape'
 [ $? -eq 2 ] && grep -q 'kinematics: nonlinear' "$scratch/found"
 tap $? 'a scene of linear kinematics is refused'
 
+# A nonlinear image with modes: the device finds the frequencies in its header, in both precisions; without PZS_MODES the
+# header does not compile.
+cat >"$scratch/modes.c" <<'EOT'
+#include <stdio.h>
+#include "t.h"
+static pzs_real model_work[T_MODEL_BYTES / sizeof(pzs_real) + 1], modes_work[T_MODES_BYTES / sizeof(pzs_real) + 1];
+
+int main(void)
+{
+    pzs_model model;
+    pzs_modes modes;
+    pzs_status status = pzs_model_init(&model, &t_structure, model_work, sizeof model_work);
+    if (status == PZS_OK) status = pzs_assemble(&model, NULL, NULL);
+    if (status == PZS_OK) status = pzs_factor(&model);
+    if (status == PZS_OK)
+        status = pzs_modes_init(&modes, &model, &t_mass, T_MODES, T_MODES_VECTORS, modes_work, sizeof modes_work);
+    modes.settings.shift = T_MODES_SHIFT;
+    if (status == PZS_OK) status = pzs_modes_find(&modes);
+    printf("%s\n", pzs_status_text(status));
+    for (uint16_t i = 0; i < T_MODES && status == PZS_OK; i++) {
+        const pzs_real off = pzs_modes_frequency(&modes, i) / t_frequency[i] - 1;
+        printf("%g %g\n", (double)t_frequency[i], (double)off);
+        if (!(off < 64 * PZS_EPSILON && off > -64 * PZS_EPSILON)) return 1;
+    }
+    return status != PZS_OK;
+}
+EOT
+in_both() {
+    for bits in 64 32; do compile $bits -DPZS_MODES=1 && "$scratch/program" >"$scratch/found" || return 1; done
+}
+"$PZS" tables plate-50-patches --set kinematics=nonlinear --set mesh.theta1.elements=5 --set mesh.theta2.elements=5 --image nonlinear \
+    --compact --modes 6 --prefix t -o "$scratch/t.h" >"$scratch/told" 2>"$scratch/found" && cp "$scratch/modes.c" "$scratch/program.c" &&
+    ! compile 64 && in_both
+tap $? 'nonlinear image with modes: the frequencies in its header'
+
 # The committed example is what the program writes today.
 "${MAKE:-make}" --no-print-directory -s -n example-table | sed 's|-o [^ ]*|-o '"$scratch/example.h"'|' >"$scratch/command"
 sh "$scratch/command" >"$scratch/found" 2>&1 && diff "$scratch/example.h" host_tools/tables/example.h >"$scratch/found"

@@ -163,6 +163,49 @@ static double *shape_of(const device *d, int i)
     return shape;
 }
 
+/* ---- dump for numpy --------------------------------------------------- */
+
+static FILE *dump;
+
+static void put(double x)
+{
+    if (dump)
+        assert_int_equal(fwrite(&x, sizeof x, 1, dump), 1);
+}
+
+static void put_reals(const double *value, size_t count)
+{
+    for (size_t i = 0; i < count; i++)
+        put(value[i]);
+}
+
+static void put_shorts(const uint16_t *value, size_t count)
+{
+    for (size_t i = 0; i < count; i++)
+        put(value[i] == PZS_CONSTRAINED ? -1 : value[i]);
+}
+
+/* Write a structure and the modes that the device has found, as device_modes.py reads them. */
+static void put_modes(const device *d, int number)
+{
+    const bridge *b = &d->bridge;
+    const size_t packed = SHELL_PACKED(4 * (size_t)b->dof_per_node);
+    put_reals((double[10]){(double)PZS_EPSILON, (double)d->modes.settings.tolerance,
+                           (double)d->modes.settings.shift, b->nodes, b->elements, b->types,
+                           d->host.types, b->dof_per_node, b->dof, number},
+              10);
+    put_shorts(b->element, 4 * (size_t)b->elements);
+    put_shorts(b->element_type, (size_t)b->elements);
+    put_shorts(d->host.element_type, (size_t)b->elements);
+    put_shorts(b->node_dof, (size_t)(b->nodes * b->dof_per_node));
+    put_reals(b->stiffness, (size_t)b->types * packed);
+    put_reals(d->host.matrix, (size_t)d->host.types * packed);
+    for (int i = 0; i < number; i++)
+        put(square_of(d, i));
+    for (int i = 0; i < number * b->dof; i++)
+        put((double)d->modes.info.shape[i]);
+}
+
 /* ---- against the host ------------------------------------------------- */
 
 /*
@@ -254,6 +297,8 @@ static void test_host(void **state)
             fail_msg("case %zu: off by %.2e", k, worst);
         for (int i = 0; i < c->compared; i++)
             assert_shape(&d, i, tolerance);
+        if (d.bridge.turns == 0 && d.bridge.spring.count == 0)
+            put_modes(&d, c->number);
         device_close(&d);
     }
 }
@@ -987,7 +1032,7 @@ static void test_loose(void **state)
     device_close(&d);
 }
 
-int main(void)
+int main(int argc, char **argv)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(test_host),
@@ -1014,5 +1059,9 @@ int main(void)
         cmocka_unit_test(test_unstable),
         cmocka_unit_test(test_no_equilibrium),
     };
-    return cmocka_run_group_tests_name("modes", tests, NULL, NULL);
+    dump = argc > 1 ? fopen(argv[1], "wb") : NULL;
+    const int failed = cmocka_run_group_tests_name("modes", tests, NULL, NULL);
+    if (dump)
+        (void)fclose(dump);
+    return failed;
 }
