@@ -356,6 +356,7 @@ static void json_stability(json *json, const certificate *certificate)
         const double frequency[2] = {loop->margin_slow, loop->margin_fast};
         json_open(json, "margin", '{');
         json_number(json, "gain", loop->margin_gain);
+        json_number(json, "delay", loop->older);
         json_numbers(json, "frequency", frequency, 2);
         json_close(json, '}');
     }

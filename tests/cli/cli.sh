@@ -940,7 +940,7 @@ run 3 check "$dir/even.yaml" --set 'control={rate: 2000}' --set "$late" --set si
     [ ! -e "$dir/late.h" ] && run 0 check "$dir/even.yaml" --set 'control={rate: 2000}' --set "$late" --set simulate.sensors.delay=1
 check 'check, tables: a loop that is not safe has an exit code of its own' $?
 run 0 check plate-closed-loop --json && cp "$dir/out" "$dir/check.json" && json "j['certificate']['stable'] is True and j['certificate']['storms']==30 and j['certificate']['storms_failed']==0 and
-    0.9<j['certificate']['radius']<1 and 1.33<j['certificate']['margin']['gain']<5 and j['certificate']['readings_older']>=1 and j['certificate']['readings_newer']==0 and j['certificate']['modes_observed']==9 and 0.5<j['certificate']['load_step_periods']<=2 and not j['certificate']['load_step_longer'] and
+    0.9<j['certificate']['radius']<1 and 1.33<j['certificate']['margin']['gain']<5 and j['certificate']['readings_older']>=1 and j['certificate']['margin']['delay']==j['certificate']['readings_older'] and j['certificate']['readings_newer']==0 and j['certificate']['modes_observed']==9 and 0.5<j['certificate']['load_step_periods']<=2 and not j['certificate']['load_step_longer'] and
     j['certificate']['margin']['frequency'][0]<0.9 and j['certificate']['margin']['frequency'][1]>1.1 and j['certificate']['rate_from']<500 and j['certificate']['rate_to']>1500"
 check 'check --json: certificate of the damped loop' $?
 light=tests/rigs/scenes/storm-light.yaml
