@@ -53,6 +53,9 @@ typedef struct builder {
     const design *design;
     const estimator *estimator;
     const damper *damper;
+    const double *influence; /* [outputs][inputs] influence matrix, with the small entries that
+                                count as zero in the controller */
+    size_t inputs;
     int *reading; /* [sensors] index of the reading of the section `estimate` to which each sensor
                      belongs; 0 where the readings are the target displacements */
     bool is_few;  /* whether the sensors are those of the estimator */
@@ -180,7 +183,7 @@ static void take_noise(builder *builder)
 static const double *direct_row(const builder *builder, size_t sensor)
 {
     return builder->is_few ? builder->estimator->direct + sensor * builder->amplifiers
-                           : builder->design->influence + sensor * builder->amplifiers;
+                           : builder->influence + sensor * builder->inputs;
 }
 
 static const double *load_row(const builder *builder, size_t sensor)
@@ -765,6 +768,8 @@ bool sensor_gate_open(sensor_gate *gate, const analysis *analysis, const estimat
                        .design = design,
                        .estimator = estimator,
                        .damper = damper,
+                       .influence = analysis->influence,
+                       .inputs = design->structure.input.count,
                        .is_few = is_few,
                        .unit = unit,
                        .outputs = (size_t)design->targets,

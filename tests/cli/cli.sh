@@ -161,6 +161,19 @@ run 0 check plate-50-patches --set "$gate" --json && json "j['certificate']['sto
     run 0 check plate-50-patches --set "$gate" --set 'simulate={ticks: 9, sensors: {range: 0.002}}' && grep -qF 'OF THESE STORMS IT TAKES HEALTHY READINGS AWAY; state larger ranges' "$dir/out" &&
     run 0 check plate-50-patches --set "control={rate: 1000}" --set "simulate={ticks: 9, sensors: {range: 0.08}}" --json && json "j['certificate']['wrong_sensor_moves']>1"
 check 'the certificate runs the sensor gate in its storms, and one sensor at the end of its range' $?
+wrong='simulate={ticks: 100, events: [{at: 40, wrong_sensors: 0, error: 0.01, ticks: 30}]}' gate='control={sensor_gate: true}'
+right() { json "max(p['controller']['worst'] for p in j['phases'][1:]) < 1.05 * j['phases'][0]['controller']['steady']"; }
+run 0 simulate "$dir/measured.yaml" --set "$gate" --set "$wrong" --json && right && run 0 simulate "$dir/measured.yaml" --set "$gate" --set "$wrong" --set influence.drop_below=0.2 --json && right &&
+    run 0 simulate "$dir/measured.yaml" --set "$gate" --set "$wrong" --set "$curve" --set "$unipolar" --set "$raised" --json && right
+check 'a sensor gate with a measured matrix, with small entries that count as zero, and with actuator curves' $?
+gate='control={rate: 1000, sensor_gate: true}' wrong='{at: 300, wrong_sensors: 0, error: 0.05, ticks: 60}' slow='--set limits.voltage=[-300,300] --set limits.step_limit=20'
+hysteresis='hysteresis={range: [-300, 300], slopes: [0.37, 0.43, 0.44, 0.5], slack: [40, 120, 240], above: [0.1, 0.2, 0.2], below: [0.1, 0.2, 0.2], offset: -3, creep_time: [1], creep: [0.03]}'
+# shellcheck disable=SC2086
+for device in '' '--device host-32'; do
+    run 0 simulate plate-50-patches $slow --set "$gate" --set "$hysteresis" --set target.free=[piston] $device --json \
+        --set "simulate={ticks: 500, sensors: {noise: 1e-7, delay: 2}, amplifiers: {step: 0.05}, events: [$wrong]}" && right
+    check "a sensor gate with late readings, hysteresis, free functions and converter steps $device" $?
+done
 gains='control.modal_gains={modes: 4, gain: [0.6, 0.4, 0.3, 0.2], leak: 0.002, other_gain: 0.1}'
 run 0 check "$dir/measured.yaml" --set "$gains" && grep -qF 'gains of modes: 4 singular vectors of the influence matrix, gain 0.2 to 0.6, leak 0.002; the rest: gain 0.1, leak 0' "$dir/out" &&
     run 0 check "$dir/measured.yaml" --set "$gains" --json && json "j['modal_gains']['gain']==[.6,.4,.3,.2] and abs(j['modal_gains']['growth']-.92)<1e-6 and abs(j['modal_gains']['noise']-.6/(.602*1.398)**.5)<1e-9" &&

@@ -58,6 +58,8 @@ check 'a quasi-static plant, few sensors, a known load' $?
     coupled measured '[{at: 50, target: -0.5}]' 0 "$dir/measured.yaml" --set safety=none --set 'limits.absolute_sum={limit: 60}' --set 'limits.difference={limit: 20}' \
         --set 'control.modal_gains={modes: [x, "x^2 - y^2"], gain: [0.5, 0.7], leak: 0.01, other_gain: 0.3}'
 check 'a measured mirror with gains of modes, limits of differences and of a sum of absolute values' $?
+coupled gate '[{at: 50, target: -0.5}]' 0 "$dir/measured.yaml" --set safety=none --set control.sensor_gate=true --set 'simulate.sensors.outliers={chance: 0.02, size: 0.01}'
+check 'a sensor gate takes outliers of the plant away' $?
 coupled curved '[{at: 50, target: 0.5}]' 0 "$dir/measured.yaml" --set safety=none --set influence.curve=quadratic --set 'limits.voltage=[0, 60]' \
     --set 'target.value=1e-3 + 8e-6*(x^2 - y^2)' --set 'simulate.plant={gain: 0.9, curve_error: 0.1}' --set 'simulate.amplifiers={step: 0.5, bandwidth: 100}'
 check 'a measured mirror with quadratic actuators' $?
