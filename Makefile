@@ -349,6 +349,7 @@ check-long: setup-test
 	$(B)/test/detector-64 45000
 	@$(MAKE) --no-print-directory -s $(B)/test/gate-64
 	$(B)/test/gate-64 1000000
+	sh tests/target/gate.sh 1000000
 	$(CC) $(WARN) -O2 -DPZS_NONLINEAR=1 -DFAULT_TICKS=1000000 $(FOLDERS) $(INCLUDE) \
 	    tests/unit/test_simulate.c tests/rigs/scene_run.c $(B)/64/host.a $(B)/64/libpiezoshape.a -lcmocka $(HOST_LIBS) -o $(B)/long-simulate \
 	    && $(B)/long-simulate
