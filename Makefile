@@ -296,6 +296,12 @@ $(B)/test/gate-64: $(B)/64/tests/unit/sweep_gate.o $(B)/64/tests/rigs/scene_run.
 	@mkdir -p $(@D)
 	$(CC) $^ $(HOST_LIBS) -o $@
 
+# Alarms of the supervisor on reversed amplifiers and on healthy loops; `alarms-64 8` on all structures.
+UNIT_64 += $(B)/test/alarms-64
+$(B)/test/alarms-64: $(B)/64/tests/unit/sweep_alarms.o $(B)/64/tests/rigs/scene_run.o $(B)/64/host.a $(B)/64/libpiezoshape.a
+	@mkdir -p $(@D)
+	$(CC) $^ $(HOST_LIBS) -o $@
+
 format:
 	clang-format -i $$(git ls-files "*.c" "*.h" ":!host_tools/tables/example.h")
 
