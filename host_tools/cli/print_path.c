@@ -6,10 +6,6 @@
 #include "../model/path_cause.h"
 #include "print_outputs.h"
 
-static const char *const event_name[] = {[LOAD_PATH_LIMIT] = "limit point",
-                                         [LOAD_PATH_BIFURCATION] = "bifurcation",
-                                         [LOAD_PATH_STABILITY] = "change of stability"};
-
 /*
  * Whether the printed table of equilibria from zero to full load has a column for the output with
  * index k. It has one for each output with a single value, apart from strains and stresses: these
@@ -75,8 +71,9 @@ static void print_events(const analysis *analysis, const load_path *path)
     int bifurcation = 0;
     for (int i = 0; i < path->events; i++) {
         const load_path_event *event = &path->event[i];
-        printf("  %s at load factor %.6g, between points %d and %d", event_name[event->type],
-               event->load_factor, event->point + 1, event->point + 2);
+        printf("  %s at load factor %.6g, between points %d and %d",
+               load_path_event_name(event->type), event->load_factor, event->point + 1,
+               event->point + 2);
         if (event->type == LOAD_PATH_BIFURCATION && path->branch_point == 0)
             printf("; --branch %d follows its branch", ++bifurcation);
         putchar('\n');
@@ -129,7 +126,7 @@ static void json_event(json *json, const analysis *analysis, const load_path *pa
 {
     const load_path_event *event = &path->event[i];
     json_open(json, NULL, '{');
-    json_string(json, "type", event_name[event->type]);
+    json_string(json, "type", load_path_event_name(event->type));
     json_number(json, "load_factor", event->load_factor);
     json_number(json, "after_point", event->point + 1);
     json_outputs(json, analysis, path->event_value + (size_t)i * (size_t)path->outputs);

@@ -40,7 +40,8 @@ typedef enum load_path_event_type {
      * on a path of equal load steps, the number of negative pivots of the tangent stiffness
      * changes: at a bifurcation, or because the set of nodes in contact changes
      */
-    LOAD_PATH_STABILITY
+    LOAD_PATH_STABILITY,
+    LOAD_PATH_EVENT_TYPES
 } load_path_event_type;
 
 /*
@@ -76,6 +77,9 @@ typedef struct load_path {
     bool has_equal_steps; /* true: the points of the load path follow each other in equal steps of
                              the load factor; false: by the arc-length method */
 } load_path;
+
+/* Return the name of a type of critical point, for tables and diagrams. */
+const char *load_path_event_name(load_path_event_type type);
 
 /* Release the memory of a load path and make the path empty. */
 void load_path_free(load_path *path);

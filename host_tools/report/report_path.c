@@ -15,12 +15,9 @@ static bool touches_unstable(const load_path *path, int i)
 /* Make the marks of the critical points of a load path in a diagram over output k. */
 static void mark_events(const load_path *path, int k, draw_mark mark[LOAD_PATH_EVENTS])
 {
-    static const char *const name[] = {[LOAD_PATH_LIMIT] = "limit point",
-                                       [LOAD_PATH_BIFURCATION] = "bifurcation",
-                                       [LOAD_PATH_STABILITY] = "change of stability"};
     for (int i = 0; i < path->events; i++)
         mark[i] = (draw_mark){path->event_value[i * path->outputs + k], path->event[i].load_factor,
-                              name[path->event[i].type]};
+                              load_path_event_name(path->event[i].type)};
 }
 
 /* Draw a diagram of the load factor over output k. */
