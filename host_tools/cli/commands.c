@@ -244,7 +244,7 @@ const option_entry option_table[OPTIONS] = {
     [OPTION_JSON] = {"--json", NULL, "", ARGUMENT_NONE, NULL,
                      ANALYSES | BIT(COMMAND_MODES) | BIT(COMMAND_CALIBRATE),
                      "numbers for machines on standard output"},
-    [OPTION_STRICT] = {"--strict", NULL, "", ARGUMENT_NONE, NULL, ANALYSES,
+    [OPTION_STRICT] = {"--strict", NULL, "", ARGUMENT_NONE, NULL, ANALYSES | BIT(COMMAND_MODES),
                        "warnings on implausible numbers end with exit code 1"},
     [OPTION_ERROR] = {"--error", NULL, "", ARGUMENT_NONE, NULL,
                       BIT(COMMAND_SOLVE) | BIT(COMMAND_SHAPE) | BIT(COMMAND_MODES),

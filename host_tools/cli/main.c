@@ -671,6 +671,8 @@ static int find_modes(const options *options, const scene *scene, loaded_modes *
     progress_stage("natural frequencies");
     if (loaded_modes_open(modes, scene, &request, error) < 0)
         return complain(error, OPTIONS_WRONG);
+    plausible_scene(&modes->warnings, scene);
+    plausible_mesh(&modes->warnings, &modes->analysis.design.mesh);
     const modes_request computed = {modes->vibration.count, request.circuit};
     const int status =
         modes_error(options, scene, &modes->vibration, &computed, &modes->mesh_error);

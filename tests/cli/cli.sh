@@ -405,6 +405,7 @@ run 2 solve "$dir/good.yaml" --set 'layers.0.thickness=1 cm' && says 'add length
 run 0 solve bimorph-sensor --json && json "[w['rule'] for w in j['warnings']]==['displacement'] and abs(j['warnings'][0]['value']-9.9)<.01 and j['warnings'][0]['limit']==1"; check 'warnings of solve --json' $?
 run 0 solve bimorph-sensor && grep -q '^Warnings:$' "$dir/out" && grep -q '^  displacement: .*use kinematics: nonlinear' "$dir/out" && [ ! -s "$dir/err" ]; check 'warnings of solve' $?
 run 1 solve bimorph-sensor --strict && grep -q '^Warnings:$' "$dir/out" && run 0 solve scordelis-lo --set loads.0.z=-9 --strict && ! grep -q Warnings "$dir/out"; check 'warnings are failures under --strict' $?
+run 1 modes plate-50-patches --strict --set materials.G1195.density=7.6 && grep -q '^  light_material: .*G1195' "$dir/out" && run 0 modes plate-50-patches --json --set materials.G1195.density=7.6 && json "any(w['rule']=='light_material' for w in j['warnings'])"; check 'modes: a density in a wrong unit is a warning' $?
 run 0 check plate-50-patches --json && json "[(w['rule'],w['value'],w['line']) for w in j['warnings']]==[('limit_field',2.4e6,34)]"; check 'warnings of check --json' $?
 run 0 shape plate-50-patches --json && json "[w['rule'] for w in j['warnings']]==['limit_field','displacement']"; check 'warnings of shape --json' $?
 bad 'unknown key' 's/supports:/suports:/' ":10:"
