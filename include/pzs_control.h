@@ -237,6 +237,7 @@ pzs_status pzs_tick(pzs_control *control, const pzs_real *wanted, const pzs_real
 /*
  * Compute the voltages of a tick without measurements: change the last voltages towards those that
  * are optimal for a target error. The result, info.voltage, is inside every limit to the last bit.
+ * A step limit bounds the voltage by (last voltage +- limit), rounded to nearest.
  *   error [outputs] in  target shape minus the shape at zero voltage (m)
  * Warnings: PZS_W_ITERATIONS, PZS_W_STEP_LIMIT. Errors: PZS_E_ARGUMENT, PZS_E_STAGE,
  * PZS_E_NONFINITE (the voltages stay; info.where is -1 after an overflow).
