@@ -336,6 +336,21 @@ static void print_scale(const run *run)
             run->size, length_unit(run));
 }
 
+/*
+ * Warn where the shapes do not follow the voltages: they do not change, entries of the matrix have
+ * large standard errors, or earlier voltages seem to act more than the present ones.
+ */
+static void print_unrelated(const run *run)
+{
+    static const double most_error = 0.3, most_memory = 1;
+    const double largest = largest_entry(run), error = largest_error(run);
+    const bool is_noisy = isfinite(error) && error > most_error * largest;
+    const bool is_late = run->drift.has_memory && fabs(run->drift.memory) > most_memory;
+    if (!(largest > 0) || is_noisy || is_late)
+        puts("warning: the shapes do not follow the voltages; compare both files: the shape of a "
+             "line must be that under the voltages of the same line, in the same order");
+}
+
 /* Print how a scene file can use the file to which the influence matrix was written. */
 static void print_use(const run *run, const char *path)
 {
@@ -386,12 +401,13 @@ static void print_result(const run *run, const char *path)
         puts("  noise of the shapes: not known; measure more pokes than actuators");
     print_drift(run);
     printf("  largest entry %.4g%s per volt", largest_entry(run), length_unit(run));
-    if (isfinite(largest_error(run)))
+    if (isfinite(largest_error(run)) && largest_entry(run) > 0)
         printf(", largest standard error %.3g (%.3g%% of it)", largest_error(run),
                100 * largest_error(run) / largest_entry(run));
     printf("\n  the matrix leaves %.3g%s of the shapes (root mean square)\n", run->result.residual,
            length_unit(run));
     print_scale(run);
+    print_unrelated(run);
     print_use(run, path);
 }
 

@@ -236,6 +236,8 @@ run 0 new poke-voltages && mv "$dir/out" "$dir/voltages.csv" && run 0 new poke-s
     run 0 check "$dir/measured.yaml" --set influence.file=matrix.csv --set influence.scale=1; check 'calibrate names a dead actuator and writes a matrix' $?
 run 0 calibrate "$dir/measured.yaml" --voltages "$dir/voltages.csv" --shapes "$dir/shapes.csv" -o "$dir/matrix.csv" && grep -qF 'in a scene, without scale' "$dir/out" &&
     ! grep -q '^warning' "$dir/out"; check 'calibrate says that its matrix needs no scale' $?
+tac "$dir/shapes.csv" | grep -v '^[#a-z]' >"$dir/turned.csv" && run 0 calibrate --voltages "$dir/voltages.csv" --shapes "$dir/turned.csv" && grep -q '^warning: the shapes do not follow' "$dir/out" &&
+    run 0 calibrate --voltages "$dir/voltages.csv" --shapes "$dir/shapes.csv" && ! grep -q '^warning' "$dir/out"; check 'calibrate warns of shapes in another order than the voltages' $?
 printf '10 0 0\n0 10 0\n10 10 0\n5 -10 0\n' >"$dir/v0.csv"
 printf '1 2\n2 1\n3 3\n-1.5 0\n' >"$dir/x0.csv"
 run 2 calibrate --voltages "$dir/v0.csv" --shapes "$dir/x0.csv" && says 'the voltage of v3 is 0 in all 4 pokes'
