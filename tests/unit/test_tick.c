@@ -11,6 +11,7 @@
 #include <stdlib.h>
 #include <string.h>
 #include <cmocka.h>
+#include "../../lib/control/sensor_check.h"
 #include "../../lib/core/guard.h"
 #include "../../lib/control/control.h"
 
@@ -239,6 +240,32 @@ static void test_returning_sensor(void **state)
     free(r.work);
 }
 
+/* Law: a repeated reading counts as stuck after SENSOR_STUCK_TICKS ticks in which its expected
+ * value moved by more than a 64th of |reading| + 3 times the RMS of all expected values, and never
+ * where it moved by less. */
+static void test_resolution(void **state)
+{
+    (void)state;
+    static const double part[] = {0.98, 1.02};
+    for (int k = 0; k < 2; k++) {
+        pzs_real expected[4] = {1, -1, 1, -1}, measured[4] = {1, 0, 0, 0}, last[4] = {1, 0, 0, 0};
+        pzs_real difference[4] = {(pzs_real)(part[k] / 32), 1, -1, 1};
+        uint8_t repeats[4] = {0};
+        const sensor_check all = {4, expected, last, difference, repeats};
+        uint32_t unusable = 0;
+        for (unsigned i = 1; i <= SENSOR_STUCK_TICKS; i++) {
+            int32_t where = -1;
+            bool is_repeated = true;
+            /* only the first value moves, between 1 - 1/32 and 1 + 1/32: the RMS stays 1 to 0.8 %
+             */
+            expected[0] = (pzs_real)(1 + (i % 2 ? part[k] : -part[k]) / 32);
+            unusable = pzs_sensor_check(&all, measured, &where, &is_repeated);
+            assert_true(i == SENSOR_STUCK_TICKS || unusable == 0);
+        }
+        assert_int_equal(unusable, k);
+    }
+}
+
 /* Law: a held input goes to its voltage within the slew and stays; released, it works again. All
  * held: the loop lives. */
 static void test_held_inputs(void **state)
@@ -430,17 +457,12 @@ static void test_long_walk(void **state)
 int main(void)
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_slew_then_optimum),
-        cmocka_unit_test(test_measured_disturbance),
-        cmocka_unit_test(test_lost_sensors),
-        cmocka_unit_test(test_stuck_sensor),
-        cmocka_unit_test(test_returning_sensor),
-        cmocka_unit_test(test_held_inputs),
-        cmocka_unit_test(test_misuse),
-        cmocka_unit_test(test_tick_after_step),
-        cmocka_unit_test(test_hold_without_senses),
-        cmocka_unit_test(test_unit_of_length),
-        cmocka_unit_test(test_long_walk),
+        cmocka_unit_test(test_slew_then_optimum), cmocka_unit_test(test_measured_disturbance),
+        cmocka_unit_test(test_lost_sensors),      cmocka_unit_test(test_stuck_sensor),
+        cmocka_unit_test(test_returning_sensor),  cmocka_unit_test(test_resolution),
+        cmocka_unit_test(test_held_inputs),       cmocka_unit_test(test_misuse),
+        cmocka_unit_test(test_tick_after_step),   cmocka_unit_test(test_hold_without_senses),
+        cmocka_unit_test(test_unit_of_length),    cmocka_unit_test(test_long_walk),
     };
     return cmocka_run_group_tests_name("tick", tests, NULL, NULL);
 }
