@@ -50,6 +50,8 @@ static bool take_run_memory(storm *storm)
 
 void storm_end(storm *storm)
 {
+    if (storm->replaced)
+        *storm->replaced = storm->original;
     inertia_close(&storm->inertia);
     free(storm->memory);
     free(storm->work);
@@ -99,17 +101,19 @@ static void append_block(storm *storm, const pzs_block *given)
     *block = *given;
     if (block->type->phase != PZS_PHASE_STEP)
         return;
-    storm->problem = *(const pzs_problem *)block->tables;
+    storm->problem = storm->original = *(const pzs_problem *)block->tables;
     set_limits(storm);
     /*
      * The changed problem is passed to the step block by a pointer in the library's own step block.
      * The tables of a control law for comparison (laws.h) begin with a problem, which is
-     * overwritten.
+     * overwritten until the simulation ends.
      */
-    if (block->type == &pzs_step_block)
+    if (block->type == &pzs_step_block) {
         block->tables = &storm->problem;
-    else
-        *(pzs_problem *)(uintptr_t)block->tables = storm->problem;
+        return;
+    }
+    storm->replaced = (pzs_problem *)(uintptr_t)block->tables;
+    *storm->replaced = storm->problem;
 }
 
 /*

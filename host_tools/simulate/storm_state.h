@@ -13,8 +13,11 @@
 typedef struct storm {
     const storm_rig *rig;
     const storm_plant *plant;
-    pzs_problem problem; /* voltage optimisation problem of the loop with the voltage and step
-                            limits of the simulation in place of the scene's */
+    pzs_problem problem;   /* voltage optimisation problem of the loop with the voltage and step
+                              limits of the simulation in place of the scene's */
+    pzs_problem *replaced; /* problem in the tables of a control law for comparison, whose limits
+                              are those of the simulation until it ends; NULL: there is none */
+    pzs_problem original;  /* the problem in those tables before and after the simulation */
     pzs_supervision supervision; /* tables of the loop's supervisor, changed so that it starts
                                     without a command */
     pzs_block block[PZS_BLOCK_LIMIT];

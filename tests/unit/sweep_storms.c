@@ -119,7 +119,9 @@ static int try_law(storm_rig *rig, analysis *analysis, law_kind kind, tally *t, 
         if (blocks.block[k].type == &pzs_step_block)
             blocks.block[k] = other;
     storm_use(rig, blocks.block, blocks.count, analysis->design.simulate.delay);
-    const int failed = ten_storms(rig, t, name);
+    int failed = ten_storms(rig, t, name);
+    if (law.problem.step_limit != analysis->design.problem.step_limit)
+        failed = complain(name, "a storm has changed the tables of its control law");
     law_close(&law);
     damper_close(&damper);
     return failed;
