@@ -273,9 +273,18 @@ $(B)/test/sweep-64: $(B)/64/tests/unit/sweep_path.o $(B)/64/tests/rigs/scene_run
 	@mkdir -p $(@D)
 	$(CC) $^ $(HOST_LIBS) -o $@
 
-# Storms on two structures with the unit tests, on all of them and with all laws with check-long.
+# Storms on two structures with the unit tests, on all of them and with all laws with check-long; in float, the damped tick.
 UNIT_64 += $(B)/test/storms-64
-$(B)/test/storms-64: $(B)/64/tests/unit/sweep_storms.o $(B)/64/tests/rigs/scene_run.o $(B)/64/host.a $(B)/64/libpiezoshape.a
+UNIT_32 += $(B)/test/storms-32
+STORMS := $(B)/64/tests/rigs/storm_sweep.o $(B)/64/tests/rigs/scene_run.o
+$(B)/test/storms-64: $(B)/64/tests/unit/sweep_storms.o $(STORMS) $(B)/64/host.a $(B)/64/libpiezoshape.a
+	@mkdir -p $(@D)
+	$(CC) $^ $(HOST_LIBS) -o $@
+$(B)/32/storms64.o: $(STORMS) $(B)/64/host.a $(B)/64/libpiezoshape.a
+	@mkdir -p $(@D)
+	ld -r $(STORMS) --whole-archive $(B)/64/host.a $(B)/64/libpiezoshape.a -o $@
+	objcopy -w --keep-global-symbol='bridge_*' $@
+$(B)/test/storms-32: $(B)/32/tests/unit/sweep_storms.o $(B)/32/storms64.o $(B)/32/libpiezoshape.a
 	@mkdir -p $(@D)
 	$(CC) $^ $(HOST_LIBS) -o $@
 
@@ -377,6 +386,8 @@ check-long: setup-test
 	sh tests/target/bound.sh full
 	$(B)/test/sweep-64 full
 	$(B)/test/storms-64 full
+	@$(MAKE) --no-print-directory -s $(B)/test/storms-32
+	$(B)/test/storms-32 full
 	@$(MAKE) --no-print-directory -s $(B)/test/motion_storms-64
 	$(B)/test/motion_storms-64 full
 	/usr/bin/python3 tests/cli/schema.py $(B)/pzs $(SCENES)/scene.schema.json 1 tests/cli/schema/scenes.yaml $(SCENES)/*.yaml
