@@ -38,6 +38,8 @@ FW_CHOICE_32-nonlinear := $(FW_CHOICE_32) -DPZS_NONLINEAR=1
 FW_CHOICE_64-nonlinear := $(FW_CHOICE_64) -DPZS_NONLINEAR=1
 FW_CHOICE_32-modes := $(FW_CHOICE_32) -DPZS_MODES=1
 FW_CHOICE_64-modes := $(FW_CHOICE_64) -DPZS_MODES=1
+FW_CHOICE_32-all := $(FW_CHOICE_32-nonlinear) -DPZS_MODES=1
+FW_CHOICE_64-all := $(FW_CHOICE_64-nonlinear) -DPZS_MODES=1
 
 # fw_tables: name, arguments of `pzs tables`. A generated header; it is rewritten only when its text changes.
 define fw_tables
@@ -56,6 +58,7 @@ $(eval $(call fw_tables,plate5_modes,plate-50-patches --set limits.step_limit=20
 $(eval $(call fw_tables,plate_modes,plate-50-patches --set limits.step_limit=20 --image linear --modes 5))
 $(eval $(call fw_tables,plate_nonlinear,plate-50-patches --set kinematics=nonlinear --image nonlinear))
 $(eval $(call fw_tables,hemisphere4_nonlinear,hemisphere $(FW_HEMISPHERE) --image nonlinear))
+$(eval $(call fw_tables,vlasov4_modes,vlasov-plate $(FW_HEMISPHERE) --set kinematics=nonlinear --set materials.plate.E=100 --set materials.plate.density=1 --image nonlinear --modes 3))
 $(eval $(call fw_tables,wing_linear,wing-panel --image linear --compact))
 $(eval $(call fw_tables,wing_nonlinear,wing-panel --set kinematics=nonlinear --image nonlinear --compact))
 # Meshes of Gmsh from the tests: an off-axis dish with 19 actuators, a box beam with sharp edges, a wing skin with a
@@ -89,14 +92,18 @@ $(eval $(call fw_library,m4,32-nonlinear,$(ARM_CC),$(ARM_AR),$(FW_M4) -Os,$(FW_L
 $(eval $(call fw_library,m7,64-nonlinear,$(ARM_CC),$(ARM_AR),$(FW_M7) -O2,$(FW_LIB_NONLINEAR)))
 $(eval $(call fw_library,m4,32-modes,$(ARM_CC),$(ARM_AR),$(FW_M4) -Os,$(FW_LIB_MODES)))
 $(eval $(call fw_library,m7,64-modes,$(ARM_CC),$(ARM_AR),$(FW_M7) -O2,$(FW_LIB_MODES)))
+$(eval $(call fw_library,m4,32-all,$(ARM_CC),$(ARM_AR),$(FW_M4) -Os,$(FW_LIB_ALL)))
+$(eval $(call fw_library,m7,64-all,$(ARM_CC),$(ARM_AR),$(FW_M7) -O2,$(FW_LIB_ALL)))
 $(eval $(call fw_library,host,32,$(FW_HOST_CC),$(FW_HOST_AR),-O2,$(FW_LIB)))
 $(eval $(call fw_library,host,64,$(FW_HOST_CC),$(FW_HOST_AR),-O2,$(FW_LIB)))
 $(eval $(call fw_library,host,32-modes,$(FW_HOST_CC),$(FW_HOST_AR),-O2,$(FW_LIB_MODES)))
 $(eval $(call fw_library,host,64-modes,$(FW_HOST_CC),$(FW_HOST_AR),-O2,$(FW_LIB_MODES)))
 $(eval $(call fw_library,host,32-nonlinear,$(FW_HOST_CC),$(FW_HOST_AR),-O2,$(FW_LIB_NONLINEAR)))
 $(eval $(call fw_library,host,64-nonlinear,$(FW_HOST_CC),$(FW_HOST_AR),-O2,$(FW_LIB_NONLINEAR)))
+$(eval $(call fw_library,host,32-all,$(FW_HOST_CC),$(FW_HOST_AR),-O2,$(FW_LIB_ALL)))
+$(eval $(call fw_library,host,64-all,$(FW_HOST_CC),$(FW_HOST_AR),-O2,$(FW_LIB_ALL)))
 
-# fw_part: library, part (control, linear, modes, loads or reshape), tables, compiler, flags. The object that holds the tables.
+# fw_part: library, part (control, linear, modes, modes_at, loads or reshape), tables, compiler, flags. The object that holds the tables.
 define fw_part
 $(F)/$(1)/$(3).o: firmware_demo/demos/demo_$(2).c $(T)/$(3).h
 	@mkdir -p $$(@D)
@@ -106,7 +113,8 @@ endef
 # What each part stands on.
 FW_DEMO_control := demos/main demos/drill demos/print
 FW_DEMO_linear := demos/main demos/drill demos/print
-FW_DEMO_modes := demos/drill demos/print
+FW_DEMO_modes := demos/modes_lines demos/drill demos/print
+FW_DEMO_modes_at := demos/demo_path demos/modes_lines demos/drill demos/print
 FW_DEMO_loads := demos/demo_path demos/drill demos/print
 FW_DEMO_reshape := demos/demo_path demos/drill demos/print
 
@@ -128,6 +136,8 @@ $(eval $(call fw_host,32,linear,box_beam_linear))
 $(eval $(call fw_host,32,linear,wing_skin_linear))
 $(eval $(call fw_host,32-modes,modes,plate5_modes))
 $(eval $(call fw_host,64-modes,modes,plate_modes))
+$(eval $(call fw_host,32-all,modes_at,vlasov4_modes))
+$(eval $(call fw_host,64-all,modes_at,vlasov4_modes))
 $(eval $(call fw_host,32-nonlinear,loads,hemisphere4_nonlinear))
 $(eval $(call fw_host,64-nonlinear,loads,hemisphere4_nonlinear))
 $(eval $(call fw_host,64-nonlinear,reshape,plate_nonlinear))
@@ -155,6 +165,8 @@ $(eval $(call fw_image,mps2-an386-linear5,mps2-an386,mps2_an386,board_mps2,10,m4
 $(eval $(call fw_image,mps2-an500-linear,mps2-an500,mps2_an500,board_mps2,10,m7,64,linear,plate_linear,$(FW_M7)))
 $(eval $(call fw_image,mps2-an386-modes5,mps2-an386,mps2_an386,board_mps2,10,m4,32-modes,modes,plate5_modes,$(FW_M4)))
 $(eval $(call fw_image,mps2-an500-modes,mps2-an500,mps2_an500,board_mps2,10,m7,64-modes,modes,plate_modes,$(FW_M7)))
+$(eval $(call fw_image,mps2-an386-modes-at,mps2-an386,mps2_an386,board_mps2,10,m4,32-all,modes_at,vlasov4_modes,$(FW_M4)))
+$(eval $(call fw_image,mps2-an500-modes-at,mps2-an500,mps2_an500,board_mps2,10,m7,64-all,modes_at,vlasov4_modes,$(FW_M7)))
 $(eval $(call fw_image,mps2-an386-hemisphere4,mps2-an386,mps2_an386,board_mps2,10,m4,32-nonlinear,loads,hemisphere4_nonlinear,$(FW_M4)))
 $(eval $(call fw_image,mps2-an500-hemisphere4,mps2-an500,mps2_an500,board_mps2,10,m7,64-nonlinear,loads,hemisphere4_nonlinear,$(FW_M7)))
 $(eval $(call fw_image,mps2-an500-reshape,mps2-an500,mps2_an500,board_mps2,10,m7,64-nonlinear,reshape,plate_nonlinear,$(FW_M7)))

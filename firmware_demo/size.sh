@@ -36,6 +36,18 @@ shift 2
         verdicts = verdicts (faults == "" ? "ok " : "not ok ") $1 " " $2 faults "\n"
         faults = ""
     }
+    # Name of the line for an object: its own, or that of a library with one of its options, or with none.
+    function budgeted(name,    own) {
+        if (("object", name, 3) in limit) return name
+        own = name
+        sub(/-all/, "-nonlinear", name)
+        if (("object", name, 3) in limit) return name
+        name = own
+        sub(/-all/, "-modes", name)
+        if (("object", name, 3) in limit) return name
+        sub(/-(nonlinear|modes)/, "", name)
+        return name
+    }
     BEGIN {
         while ((getline line < budget) > 0) {
             if (line ~ /^#/ || line !~ /[^ ]/) continue
@@ -56,8 +68,7 @@ shift 2
     }
     $1 == "object" {
         printf "%-30s %8d %8d\n", $2, $3, $4
-        name = $2
-        if (!(("object", name, 3) in limit)) sub(/-(nonlinear|modes)/, "", name)
+        name = budgeted($2)
         check("flash", $3, limit["object", name, 3])
         check("ram", $4, 0)
         verdict()

@@ -104,6 +104,8 @@ typedef struct pzs_modes_info {
                         equal to `converged` after success */
     uint16_t counts; /* number of counts of the negative pivots, each with two factorisations */
     uint32_t linear_solves; /* number of linear solves in the last call */
+    pzs_real condition;     /* estimated condition number of the scaled matrix K + shift M; about an
+                               equilibrium it multiplies the rounding errors of the result */
     int32_t where;          /* index to which the last status refers, or -1 */
 } pzs_modes_info;
 
@@ -122,13 +124,12 @@ typedef struct pzs_modes_state {
     pzs_real *turn;       /* [vectors][vectors] eigenvectors of the projected matrix, as columns */
     pzs_real *square;     /* [vectors] squared angular frequencies of the result */
     pzs_real *row;        /* [vectors] work array */
-    uint16_t *order;    /* [vectors] columns of `turn` by descending eigenvalue of the projection */
-    uint16_t vectors;   /* number of Lanczos vectors for which there is memory */
-    uint16_t made;      /* number of Lanczos vectors in `basis` */
-    uint16_t done;      /* number of them to which the operator has been applied */
-    uint32_t seed;      /* state of the generator of random numbers */
-    pzs_real unit;      /* power of two that brings the eigenvalues of the operator near 1 */
-    pzs_real condition; /* estimated condition number of the scaled matrix K + shift M */
+    uint16_t *order;  /* [vectors] columns of `turn` by descending eigenvalue of the projection */
+    uint16_t vectors; /* number of Lanczos vectors for which there is memory */
+    uint16_t made;    /* number of Lanczos vectors in `basis` */
+    uint16_t done;    /* number of them to which the operator has been applied */
+    uint32_t seed;    /* state of the generator of random numbers */
+    pzs_real unit;    /* power of two that brings the eigenvalues of the operator near 1 */
     uint8_t stage;
 } pzs_modes_state;
 

@@ -4,6 +4,8 @@
  *   demo_control.c or demo_linear.c  tables, memory and influence matrix of an image
  *   main.c                           control loop and its results
  *   demo_modes.c                     linear image: natural frequencies and mode shapes
+ *   demo_modes_at.c                  nonlinear image: the same about an equilibrium
+ *   modes_lines.c                    functions that these two demonstrations share
  *   demo_loads.c or demo_reshape.c   nonlinear image: large rotation under loads, or under voltages
  *   demo_path.c                      functions that the two nonlinear demonstrations share
  *   drill.c                          faults that must end in a status, not in a crash
@@ -71,6 +73,25 @@ pzs_status demo_equilibrium(const char *name, pzs_solver *solver, const pzs_real
 
 /* Provoke faults in the stages of an equilibrium solver. Returns the number of wrong results. */
 int drill_path(const demo_nonlinear_image *image);
+#endif
+
+#if PZS_MODES
+/*
+ * Print two lines about a search for vibration modes: one about the result, with checksums of the
+ * mode shapes and of the static responses, and one about the work.
+ *   spent     in  instructions of the search
+ *   response  in  [responses] static responses (pzs_modes_response)
+ */
+void demo_modes_lines(const char *name, const pzs_modes *modes, pzs_status status, uint32_t spent,
+                      const pzs_real *response, size_t responses);
+
+/*
+ * Whether the frequencies of the modes are those given, times the root of a factor of the
+ * stiffness. Squared frequencies may differ by the relative difference; squares are compared so
+ * that no root is taken.
+ */
+int demo_modes_are(const pzs_modes *modes, const pzs_real *frequency, pzs_real stiffness,
+                   pzs_real difference);
 #endif
 
 /*

@@ -8,7 +8,6 @@
 #include <string.h>
 #include "demo.h"
 #include "../boards/board.h"
-#include "../../lib/core/guard.h"
 #include "print.h"
 #include DEMO_TABLES
 
@@ -34,28 +33,6 @@ static pzs_status factor(pzs_model *model, pzs_real of_all)
     return status == PZS_OK ? pzs_factor(model) : status;
 }
 
-static void report(const char *name, const pzs_modes *modes, pzs_status status, uint32_t spent)
-{
-    const size_t shapes = (size_t)DEMO_MODES * DEMO_FREE_DOF;
-    print_text("modes ");
-    print_text(name);
-    print_count("status", status);
-    print_count("converged", modes->info.converged);
-    print_count("below", modes->info.below);
-    print_count("solves", modes->info.linear_solves);
-    print_count("counts", modes->info.counts);
-    print_hex("shapes",
-              ~pzs_guard_crc(GUARD_CRC_START, modes->info.shape, shapes * sizeof(pzs_real)));
-    print_hex("response", ~pzs_guard_crc(GUARD_CRC_START, response, sizeof response));
-    for (uint16_t i = 0; i < DEMO_MODES; i++)
-        print_real("Hz", pzs_modes_frequency(modes, i));
-    print_text("\ncost modes ");
-    print_text(name);
-    print_count("all", spent);
-    print_count("solve", modes->info.linear_solves ? spent / modes->info.linear_solves : 0);
-    print_text(" instructions\n");
-}
-
 static pzs_status find(const char *name, pzs_modes *modes)
 {
     const uint32_t start = board_count();
@@ -63,23 +40,8 @@ static pzs_status find(const char *name, pzs_modes *modes)
     const uint32_t spent = board_instructions(start, board_count());
     if (!PZS_IS_ERROR(status))
         status = pzs_modes_response(modes, response);
-    report(name, modes, status, spent);
+    demo_modes_lines(name, modes, status, spent, response, sizeof response / sizeof *response);
     return status;
-}
-
-/*
- * Whether the frequencies are those of the tables times the root of a factor of the stiffness;
- * compared as squares, so that no root is taken.
- */
-static int are_expected(const pzs_modes *modes, pzs_real stiffness)
-{
-    int expected = 1;
-    for (uint16_t i = 0; i < DEMO_MODES; i++) {
-        const pzs_real found = pzs_modes_frequency(modes, i),
-                       ratio = found / demo_frequency[i] * (found / demo_frequency[i]) / stiffness;
-        expected = expected && ratio > 1 - CLOSE_TO && ratio < 1 + CLOSE_TO;
-    }
-    return expected;
 }
 
 /* Provoke faults of the mass tables and of the memory. Returns the number of wrong results. */
@@ -119,7 +81,9 @@ static int find_twice(pzs_model *model)
     modes.settings.shift = DEMO_MODES_SHIFT;
     if (status == PZS_OK)
         status = find("reference", &modes);
-    int failed = drill_line("frequencies", status == PZS_OK && are_expected(&modes, 1), status);
+    int failed =
+        drill_line("frequencies",
+                   status == PZS_OK && demo_modes_are(&modes, demo_frequency, 1, CLOSE_TO), status);
     if (failed)
         return failed;
     for (size_t i = 0; i < DEMO_MODES; i++)
@@ -129,8 +93,9 @@ static int find_twice(pzs_model *model)
     status = factor(model, 2);
     if (status == PZS_OK)
         status = find("stiffer", &modes);
-    failed += drill_line("frequencies-of-twice-the-stiffness",
-                         status == PZS_OK && are_expected(&modes, 2), status);
+    failed +=
+        drill_line("frequencies-of-twice-the-stiffness",
+                   status == PZS_OK && demo_modes_are(&modes, demo_frequency, 2, CLOSE_TO), status);
     return failed;
 }
 

@@ -907,7 +907,8 @@ static int command_tables(const options *options, analysis *analysis)
         return complain(error, status);
     memset(&modes, 0, sizeof modes);
     if (options->device_modes > 0 &&
-        tables_modes_make(&modes, &analysis->design, options->device_modes, error) < 0) {
+        tables_modes_make(&modes, analysis, options->image == TABLES_NONLINEAR,
+                          options->device_modes, error) < 0) {
         tables_modes_free(&modes);
         return complain(error, failed_code(analysis));
     }

@@ -6,8 +6,24 @@
 #include "../../lib/model/shell.h"
 #include "../model/mass.h"
 
-int tables_modes_make(tables_modes *modes, const design *design, int number, char *error)
+/*
+ * Compute the modes about the equilibrium that the nonlinear solver has reached; none if it is
+ * unstable.
+ */
+static int make_reached(tables_modes *modes, analysis *analysis, int number, char *error)
 {
+    if (analysis->equilibrium.solver.info.negative_pivots > 0)
+        return 0;
+    if (analysis_linearise(analysis, error) < 0)
+        return -1;
+    return vibration_solve_at(&modes->reached, &analysis->design, &analysis->about, CIRCUIT_SHORT,
+                              number, MASS_LUMPED, error);
+}
+
+int tables_modes_make(tables_modes *modes, analysis *analysis, bool at_equilibrium, int number,
+                      char *error)
+{
+    const design *design = &analysis->design;
     memset(modes, 0, sizeof *modes);
     if (mass_tables_make(&modes->mass, design, MASS_LUMPED, error) < 0 ||
         vibration_solve_at(&modes->vibration, design, NULL, CIRCUIT_SHORT, number, MASS_LUMPED,
@@ -17,13 +33,14 @@ int tables_modes_make(tables_modes *modes, const design *design, int number, cha
               rigid = modes->vibration.rigid, vectors = usual + rigid;
     modes->vectors = vectors < design->mesh.free_dof ? vectors : design->mesh.free_dof;
     modes->shift = rigid > 0 ? modes->vibration.square[count - 1] : 0;
-    return 0;
+    return at_equilibrium ? make_reached(modes, analysis, count, error) : 0;
 }
 
 void tables_modes_free(tables_modes *modes)
 {
     mass_tables_free(&modes->mass);
     vibration_free(&modes->vibration);
+    vibration_free(&modes->reached);
     memset(modes, 0, sizeof *modes);
 }
 
@@ -58,5 +75,10 @@ void tables_modes_write(emitter *emitter, const tables_modes *modes, const desig
     emit_reals(emitter, "frequency", modes->vibration.frequency, (size_t)modes->vibration.count,
                "natural frequencies of the undeformed structure at prescribed voltages (Hz where "
                "the unit of time is the second), as the host computed them in double precision");
+    if (modes->reached.count > 0)
+        emit_reals(
+            emitter, "reached_frequency", modes->reached.frequency, (size_t)modes->reached.count,
+            "natural frequencies about the equilibrium at the full input values, as the host "
+            "computed them in double precision");
     fputs("\n", emitter->file);
 }

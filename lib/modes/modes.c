@@ -142,8 +142,8 @@ static pzs_status factor_shifted(pzs_modes *modes)
         return fail(modes, PZS_E_LOOSE, inertia.zero);
     if (inertia.negative > 0)
         return fail(modes, PZS_E_NEGATIVE, inertia.first_negative);
-    modes->state.condition = pzs_linalg_condition(matrix, norm, model->state.work);
-    return number_is_finite(modes->state.condition) ? PZS_OK : fail(modes, PZS_E_CONDITION, -1);
+    modes->info.condition = pzs_linalg_condition(matrix, norm, model->state.work);
+    return number_is_finite(modes->info.condition) ? PZS_OK : fail(modes, PZS_E_CONDITION, -1);
 }
 
 /* ---- preparation -------------------------------------------------------- */
@@ -208,7 +208,7 @@ static pzs_status prepare(pzs_modes *modes, uint8_t kept_stage)
     if (modes->settings.shift > 0 || modes->state.call->keeps_scale)
         status = factor_shifted(modes);
     else
-        modes->state.condition = model->info.condition;
+        modes->info.condition = model->info.condition;
     if (status != PZS_OK)
         return status;
     const int32_t massless = choose_unit(modes);
@@ -239,7 +239,7 @@ static pzs_status append_start(pzs_modes *modes, const pzs_real *start)
  */
 static bool count_is_reliable(const pzs_modes *modes, pzs_real distance)
 {
-    return PZS_EPSILON * modes->state.condition * pzs_search_range(modes) < distance;
+    return PZS_EPSILON * modes->info.condition * pzs_search_range(modes) < distance;
 }
 
 /*

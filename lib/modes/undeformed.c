@@ -44,7 +44,7 @@ static void add_term_product(const pzs_model_term *term, const pzs_real *vector,
  */
 static bool is_refined(const pzs_modes *modes)
 {
-    return PZS_EPSILON * modes->state.condition > modes->settings.tolerance &&
+    return PZS_EPSILON * modes->info.condition > modes->settings.tolerance &&
            pzs_structure_has_types(modes->state.model->state.structure);
 }
 

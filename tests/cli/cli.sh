@@ -938,6 +938,13 @@ run 0 tables plate-closed-loop --set dynamics='{damping: 0.2}' --set control.rat
 run 0 tables plate-50-patches --image linear --modes 3 --prefix t -o "$dir/modes.h" && grep -q '^#define T_MODES_VECTORS 14' "$dir/modes.h" && grep -q 'static const pzs_mass t_mass' "$dir/modes.h" &&
     grep -q '3 vibration modes, 14 Lanczos vectors: workspace' "$dir/out" && grep -q 'element mass matrices: 1,' "$dir/out" && run 0 tables plate-50-patches --image linear --modes 3 --set 'masses=[{at: {theta1: 0.1, theta2: 0.1}, mass: 0.01}]' --prefix t -o "$dir/x.h" && grep -q 'element mass matrices: 2,' "$dir/out"
 check 'tables --modes: equal elements share a mass matrix, a concentrated mass has its own' $?
+run 0 tables vlasov-plate --set kinematics=nonlinear --set materials.plate.E=100 --set materials.plate.density=1 --image nonlinear --modes 3 --prefix t -o "$dir/x.h" && sed -n '/t_reached_frequency\[3\]/{n;p;}' "$dir/x.h" | tr -d ' ,PZS_R(' | tr ')' '\n' >"$dir/device" &&
+    run 0 modes vlasov-plate --set kinematics=nonlinear --set materials.plate.E=100 --set materials.plate.density=1 --number 3 --json && python3 -c '
+import json, sys
+device = [float(line) for line in open(sys.argv[1]) if line.strip()]
+host = json.load(open(sys.argv[2]))["frequency"]
+sys.exit(not (len(host) == 3 and all(abs(a / b - 1) < 1e-9 for a, b in zip(device, host, strict=True)) and host[0] > 1.5))' "$dir/device" "$dir/out"
+check 'tables --modes of a nonlinear image: frequencies about the equilibrium, those of pzs modes' $?
 run 2 tables plate-50-patches --modes 3 -o "$dir/x.h" && says 'needs --image linear or nonlinear' && run 2 tables plate-50-patches --image linear --modes 201 -o "$dir/x.h" && says '--modes is a whole number' &&
     run 2 tables clamped-plate --image linear --modes 3 -o "$dir/x.h" && says 'no density in material' && run 2 modes plate-50-patches --modes 3 && says 'belongs to tables'; check 'tables --modes: refused without masses, for a control image, for no number' $?
 grep -q '^#define PLATE_CLOSED_LOOP_QUASI_STATIC 1' "$dir/target.h" && grep -q 'has no vibration model' "$dir/target.h"; check '--quasi-static marks the header' $?

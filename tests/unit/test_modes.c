@@ -291,7 +291,7 @@ static void test_host(void **state)
         print_message("    case %zu: %d dof, %u solves, %u counts, condition %.1e, off by %.1e of "
                       "%.1e\n",
                       k, d.bridge.dof, d.modes.info.linear_solves, d.modes.info.counts,
-                      (double)d.modes.state.condition, worst,
+                      (double)d.modes.info.condition, worst,
                       rounding_of(&d) + tolerance * tolerance);
         if (!(worst < rounding_of(&d) + tolerance * tolerance))
             fail_msg("case %zu: off by %.2e", k, worst);
@@ -711,7 +711,7 @@ static void test_thin(void **state)
             for (int i = 0; i < 6 && !PZS_IS_ERROR(status); i++)
                 worst = fmax(worst, fabs(square_of(&d, i) / d.host.square[i] - 1));
             print_message("    %s, h/L 1e-%d: condition %.1e, off by %.1e, %u solves: %s\n",
-                          name[k], thin, (double)d.modes.state.condition, worst,
+                          name[k], thin, (double)d.modes.info.condition, worst,
                           d.modes.info.linear_solves, pzs_status_text(status));
             /* Beyond, refinement may not converge, and says so. */
             assert_true(!PZS_IS_ERROR(status) ||
@@ -808,10 +808,10 @@ static void test_equilibrium(void **state)
         double worst = 0;
         for (int i = 0; i < c->compared; i++)
             worst = fmax(worst, fabs(square_of(&d.device, i) / d.device.host.square[i] - 1));
-        const double bound = 4 * (double)PZS_EPSILON * (double)modes->state.condition;
+        const double bound = 4 * (double)PZS_EPSILON * (double)modes->info.condition;
         print_message(
             "    case %zu: off by %.1e of %.1e, condition %.1e, %u solves, %.4g rad2/s2\n", k,
-            worst, bound, (double)modes->state.condition, modes->info.linear_solves,
+            worst, bound, (double)modes->info.condition, modes->info.linear_solves,
             square_of(&d.device, 0));
         assert_true(worst < bound);
         bent_close(&d);
