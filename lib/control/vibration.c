@@ -246,33 +246,13 @@ static void catch_up(pzs_damper *damper)
  */
 #define RESIDUAL_ROUNDING 2
 
-static inline uint32_t word_at(const uint8_t *at)
-{
-    uint32_t word;
-    memcpy(&word, at, sizeof word);
-    return word;
-}
-
-/*
- * Return the exclusive or of all 32-bit words of the state of the vibration modes, [4][width]: it
- * changes with every single flipped bit. The width is a multiple of 4.
- */
-static uint32_t word_sum(const pzs_real *state, size_t width)
-{
-    const uint8_t *at = (const uint8_t *)state, *const end = at + 4 * width * sizeof *state;
-    uint32_t sum = 0;
-    for (; at < end; at += 16)
-        sum ^= word_at(at) ^ word_at(at + 4) ^ word_at(at + 8) ^ word_at(at + 12);
-    return sum;
-}
-
 /* Store a copy of the state of the vibration modes for the next tick, and the sum of its words. */
 static void keep_state(pzs_damper *damper)
 {
     const size_t width = width_of(damper);
     pzs_real *late = damper->state.late;
     memcpy(late + 4 * width, late, 4 * width * sizeof *late);
-    damper->state.late_sum = word_sum(late, width);
+    damper->state.late_sum = pzs_guard_word_sum(late, 4 * width * sizeof *late);
 }
 
 /*
@@ -282,11 +262,11 @@ static void keep_state(pzs_damper *damper)
  */
 static void repair_state(pzs_damper *damper)
 {
-    const size_t width = width_of(damper);
+    const size_t width = width_of(damper), bytes = 4 * width * sizeof(pzs_real);
     pzs_real *late = damper->state.late;
-    if (word_sum(late, width) != damper->state.late_sum &&
-        word_sum(late + 4 * width, width) == damper->state.late_sum)
-        memcpy(late, late + 4 * width, 4 * width * sizeof *late);
+    if (pzs_guard_word_sum(late, bytes) != damper->state.late_sum &&
+        pzs_guard_word_sum(late + 4 * width, bytes) == damper->state.late_sum)
+        memcpy(late, late + 4 * width, bytes);
 }
 
 /* Whether residuals with the sum of squares `energy` cannot exceed `most`, their bound. */

@@ -113,22 +113,58 @@ uint32_t pzs_guard_rows_crc(uint32_t crc, const pzs_rows *rows, uint32_t dof)
     return pzs_guard_array_crc(crc, rows->value, entries, sizeof rows->value[0]);
 }
 
+static inline uint32_t word_at(const uint8_t *at)
+{
+    uint32_t word;
+    memcpy(&word, at, sizeof word);
+    return word;
+}
+
+/* Size of the four words that an iteration of a loop over words reads (bytes). */
+#define FOUR_WORDS 16u
+
+uint32_t pzs_guard_word_sum(const void *data, size_t bytes)
+{
+    const uint8_t *at = data, *const end = at + bytes;
+    uint32_t sum = 0;
+    for (; at + FOUR_WORDS <= end; at += FOUR_WORDS)
+        sum ^= word_at(at) ^ word_at(at + 4) ^ word_at(at + 8) ^ word_at(at + 12);
+    for (; at < end; at += sizeof sum)
+        sum ^= word_at(at);
+    return sum;
+}
+
+/* Return the bits in which three copies of a word differ. */
+static inline uint32_t difference(const uint8_t *first, const uint8_t *second, const uint8_t *third)
+{
+    const uint32_t word = word_at(first);
+    return (word ^ word_at(second)) | (word ^ word_at(third));
+}
+
+/* Replace each bit of three copies of some words by the value that at least two copies have. */
+static void vote_words(uint8_t *first, uint8_t *second, uint8_t *third, size_t bytes)
+{
+    for (size_t i = 0; i < bytes; i += sizeof(uint32_t)) {
+        const uint32_t one = word_at(first + i), two = word_at(second + i);
+        const uint32_t most = (one & two) | ((one | two) & word_at(third + i));
+        memcpy(first + i, &most, sizeof most);
+        memcpy(second + i, &most, sizeof most);
+        memcpy(third + i, &most, sizeof most);
+    }
+}
+
 void pzs_guard_vote(void *one, void *two, void *three, size_t bytes)
 {
     uint8_t *first = one, *second = two, *third = three;
     const uint8_t *const end = first + bytes;
-    for (; first < end;
-         first += sizeof(uint32_t), second += sizeof(uint32_t), third += sizeof(uint32_t)) {
-        uint32_t first_word, second_word, third_word;
-        memcpy(&first_word, first, sizeof first_word);
-        memcpy(&second_word, second, sizeof second_word);
-        memcpy(&third_word, third, sizeof third_word);
-        if (first_word == second_word && second_word == third_word)
-            continue;
-        const uint32_t most =
-            (first_word & second_word) | (first_word & third_word) | (second_word & third_word);
-        memcpy(first, &most, sizeof most);
-        memcpy(second, &most, sizeof most);
-        memcpy(third, &most, sizeof most);
+    for (; first + FOUR_WORDS <= end;
+         first += FOUR_WORDS, second += FOUR_WORDS, third += FOUR_WORDS) {
+        uint32_t wrong = 0;
+        UNROLLED
+        for (size_t k = 0; k < FOUR_WORDS; k += sizeof wrong)
+            wrong |= difference(first + k, second + k, third + k);
+        if (wrong != 0)
+            vote_words(first, second, third, FOUR_WORDS);
     }
+    vote_words(first, second, third, (size_t)(end - first));
 }

@@ -45,6 +45,12 @@ uint32_t pzs_guard_array_crc(uint32_t crc, const void *data, size_t count, size_
 void pzs_guard_vote(void *one, void *two, void *three, size_t bytes);
 
 /*
+ * Return the exclusive or of all 32-bit words of some data, which changes with every single flipped
+ * bit. `bytes` is the length of the data, a multiple of 4.
+ */
+uint32_t pzs_guard_word_sum(const void *data, size_t bytes);
+
+/*
  * Restore a bool whose memory may be damaged to a valid value: any byte other than 0 becomes true.
  */
 static inline void guard_repair_bool(bool *flag)
