@@ -395,6 +395,7 @@ typedef struct pzs_control_state {
     bool has_step_limits; /* whether a step limit (largest change of a voltage in a tick) is shorter
                              than the distance between the voltage limits of its input */
     pzs_control_behind behind;
+    uint32_t predicted_sum; /* exclusive or of the words of the array `predicted` */
     uint16_t scrub_row; /* index of the row of the optimiser's Hessian that the next tick compares
                            with the constant tables from which it was computed, to find and repair
                            damaged memory */

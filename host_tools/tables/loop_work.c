@@ -46,7 +46,7 @@ static double influence_product(const block_counts *of, const loop_processor *on
  */
 static double prediction(const block_counts *of, const loop_processor *on)
 {
-    return influence_product(of, on) + loops(of, on, 6, 30, 100);
+    return influence_product(of, on) + loops(of, on, 9, 30, 100);
 }
 
 /*
@@ -63,7 +63,7 @@ double loop_work_rest(const block_counts *of, const loop_processor *on)
 {
     const double blocks = 150 * (double)of->blocks;
     const double rows = 60 * (double)of->rows + 120 * (double)of->row_entries;
-    return loops(of, on, 0, 210, 3350) + on->other * (blocks + rows);
+    return loops(of, on, 3, 195, 3100) + on->other * (blocks + rows);
 }
 
 /*
@@ -170,7 +170,7 @@ double loop_work_vibration(const block_counts *of, const loop_processor *on)
     return weighed + 4 * product(on, sensors, modes) + 2 * product(on, modes, of->inputs) +
            4 * product(on, modes, modes) + few + second_prediction(of, on) +
            on->other * (77 * (double)sensors + 60 * (double)modes +
-                        predicted * (22 * (double)modes + 80) + 600);
+                        predicted * (22 * (double)modes + 80) + 700);
 }
 
 double loop_work_effect(const block_counts *of, const loop_processor *on)
@@ -223,7 +223,7 @@ double loop_work_step(const block_counts *of, const loop_processor *on)
     const double common =
         influence_product(of, on) + prediction(of, on) + optimisation(of, on) + gains_work(of, on);
     if (of->is_damped)
-        return common + loops(of, on, 29, 0, 0);
+        return common + loops(of, on, 22, 0, 0);
     return common + loops(of, on, 85, 0, 0) + second_prediction(of, on);
 }
 

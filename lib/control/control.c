@@ -151,22 +151,41 @@ static pzs_real project_target(pzs_optimiser *optimiser, const pzs_control *cont
 
 /*
  * Make the present voltages the base voltages, around which the gradient of the objective is
- * computed, and predict their shape.
+ * computed. Their shape must be the predicted one.
  */
-static void rebase(pzs_optimiser *optimiser, pzs_control *control)
+static void set_base(pzs_optimiser *optimiser, const pzs_control *control)
 {
     const pzs_real regularisation = control->state.problem->regularisation;
-    pzs_control_multiply(control, control->state.predicted, optimiser->voltage);
+    const pzs_real *restrict voltage = optimiser->voltage, *restrict reference =
+                                                               control->state.problem
+                                                                   ->reference_voltage;
+    pzs_real *restrict base = optimiser->base, *restrict model = optimiser->model_gradient,
+                       *restrict gradient = optimiser->regularisation_gradient;
     for (uint32_t i = 0; i < optimiser->inputs; i++) {
-        optimiser->regularisation_gradient[i] = optimiser->model_gradient[i] =
-            regularisation * (optimiser->voltage[i] - control->state.problem->reference_voltage[i]);
-        optimiser->base[i] = optimiser->voltage[i];
+        base[i] = voltage[i];
+        gradient[i] = model[i] = regularisation * (voltage[i] - reference[i]);
     }
-    control->state.base_energy = pzs_product_energy(
-        control->state.problem->weight, control->state.predicted, control->state.problem->outputs);
-    control->state.behind = PZS_BEHIND_NOTHING;
     optimiser->model_rounding = 0;
     optimiser->is_predicted = false;
+}
+
+/* Predict the shape of the present voltages, which are to become the base voltages. */
+static void predict(pzs_optimiser *optimiser, pzs_control *control)
+{
+    const size_t bytes = optimiser->inputs * sizeof *optimiser->base;
+    pzs_control_multiply(control, control->state.predicted, optimiser->voltage);
+    memcpy(optimiser->base, optimiser->voltage, bytes);
+    control->state.base_energy = pzs_product_energy(
+        control->state.problem->weight, control->state.predicted, control->state.problem->outputs);
+    control->state.predicted_sum = pzs_control_predicted_sum(control);
+    control->state.behind = PZS_BEHIND_NOTHING;
+}
+
+/* Make the present voltages the base voltages, and predict their shape. */
+static void rebase(pzs_optimiser *optimiser, pzs_control *control)
+{
+    predict(optimiser, control);
+    set_base(optimiser, control);
 }
 
 static pzs_status finish(pzs_control *control, pzs_status status, int32_t where)
@@ -401,7 +420,9 @@ pzs_status pzs_step(pzs_control *control, const pzs_real *error)
         return status;
     pzs_optimiser *optimiser = &control->state.optimiser;
     if (control->state.behind == PZS_BEHIND_GRADIENT)
-        rebase(optimiser, control);
+        predict(optimiser, control);
+    if (control->state.behind == PZS_BEHIND_NOTHING)
+        set_base(optimiser, control);
     pzs_control_filter(control, NULL);
     return step(optimiser, control, error, control->state.predicted, NULL);
 }
@@ -417,7 +438,7 @@ void pzs_control_complete(pzs_control *control)
 static void renew_prediction(pzs_optimiser *optimiser, pzs_control *control)
 {
     if (control->state.behind != PZS_BEHIND_NOTHING)
-        rebase(optimiser, control);
+        predict(optimiser, control);
 }
 
 void pzs_control_predict(pzs_control *control)
@@ -470,8 +491,10 @@ static uint32_t compare(const pzs_control *control, const pzs_real *measured, in
                               control->state.disturbance, control->state.repeats};
     if (control->state.damping == NULL)
         return pzs_sensor_check(&all, measured, where, &is_repeated);
+    pzs_real *restrict disturbance = control->state.disturbance;
+    const pzs_real *restrict predicted = control->state.predicted;
     for (uint32_t i = 0; i < outputs; i++)
-        control->state.disturbance[i] = measured[i] - control->state.predicted[i];
+        disturbance[i] = measured[i] - predicted[i];
     return 0;
 }
 
@@ -484,6 +507,7 @@ pzs_status pzs_tick(pzs_control *control, const pzs_real *wanted, const pzs_real
     const uint32_t outputs = control->state.problem->outputs;
     int32_t where = -1;
     renew_prediction(optimiser, control);
+    set_base(optimiser, control); /* in each tick, because memory may be damaged */
     const uint32_t unusable = measured != NULL ? compare(control, measured, &where) : 0;
     if (unusable == outputs)
         return hold_voltages(optimiser, control, where);
@@ -494,7 +518,7 @@ pzs_status pzs_tick(pzs_control *control, const pzs_real *wanted, const pzs_real
     if (stepped == PZS_E_NONFINITE)
         return hold_voltages(optimiser, control, control->info.where);
     pzs_control_complete(control);
-    rebase(optimiser, control);
+    predict(optimiser, control);
     return stepped == PZS_OK && unusable != 0 ? finish(control, PZS_W_SENSOR, where) : stepped;
 }
 
@@ -633,16 +657,13 @@ static void set_initial_state(pzs_optimiser *optimiser, pzs_control *control)
 {
     const pzs_problem *problem = control->state.problem;
     for (uint32_t i = 0; i < optimiser->inputs; i++) {
-        control->state.lower[i] = problem->lower[i];
-        control->state.upper[i] = problem->upper[i];
-        control->state.step_limit[i] = problem->step_limit[i];
         pzs_control_set_held(control, i, (pzs_real)NAN);
         optimiser->voltage[i] =
             number_clamp(problem->reference_voltage[i], problem->lower[i], problem->upper[i]);
         optimiser->diagonal[i] = optimiser->hessian[(size_t)i * optimiser->width + i];
         optimiser->free_set[i] = 1;
     }
-    pzs_control_find_step_limits(control);
+    pzs_control_restore_limits(control);
     set_initial_bounds(optimiser, control);
     pzs_control_set_constants(control);
     optimiser->work_limit = UINT64_MAX;
@@ -656,10 +677,7 @@ static void set_initial_state(pzs_optimiser *optimiser, pzs_control *control)
     (void)pzs_tableau_rebuild(optimiser);
 }
 
-/*
- * Return the default of the largest number of multiply-adds that the optimiser may use in a tick.
- */
-static uint64_t usual_work(const pzs_problem *problem)
+uint64_t pzs_control_usual_work(const pzs_problem *problem)
 {
     if (problem->work_limit > 0)
         return problem->work_limit;
@@ -681,7 +699,7 @@ pzs_status pzs_control_init(pzs_control *control, const pzs_problem *problem,
     const pzs_status status = pzs_control_check_problem(problem, use, &control->info.where);
     if (status != PZS_OK)
         return status;
-    control->settings.work_limit = usual_work(problem);
+    control->settings.work_limit = pzs_control_usual_work(problem);
     const int32_t lacking = guard_missing_bytes(work, bytes, need);
     if (lacking >= 0)
         return finish(control, PZS_E_WORKSPACE, lacking);

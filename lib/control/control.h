@@ -110,10 +110,15 @@ void pzs_control_form_row(const pzs_control *control, const pzs_real *table, uin
 int32_t pzs_control_form_hessian(const pzs_control *control, const pzs_real *table);
 
 /*
- * Find out whether any step limit is shorter than the distance between the voltage limits of its
- * input.
+ * Return the exclusive or of the words of the predicted shape, by which a tick notices that memory
+ * was damaged since the shape was predicted.
  */
-void pzs_control_find_step_limits(pzs_control *control);
+uint32_t pzs_control_predicted_sum(const pzs_control *control);
+
+/*
+ * Return the default of the largest number of multiply-adds that the optimiser may use in a tick.
+ */
+uint64_t pzs_control_usual_work(const pzs_problem *problem);
 
 /*
  * Let the bounds of the voltages in a tick and the present voltage limits share their arrays,
@@ -130,14 +135,15 @@ void pzs_control_set_constants(pzs_control *control);
 
 /*
  * Set the step limits and the present voltage limits to those of the tables; for an input that
- * pzs_hold keeps at a voltage, both limits become this voltage.
+ * pzs_hold keeps at a voltage, both limits become this voltage. Also find out whether any step
+ * limit is shorter than the distance between the voltage limits of its input.
  */
 void pzs_control_restore_limits(pzs_control *control);
 
 /*
  * Compute again from the tables, at the start of a tick of a loop, what damaged memory may have
- * changed: pointers and counts, present voltage limits, step limits, and one row of the Hessian.
- * Without damage no bit changes.
+ * changed: pointers and counts, present voltage limits, step limits, and one row of the Hessian. A
+ * damaged predicted shape is computed again in this tick. Without damage no bit changes.
  *   influence [outputs][inputs] in  as passed to pzs_control_init
  *   work                        in  workspace of the controller
  * The work is about 30 operations for each input.

@@ -355,11 +355,21 @@ static const pzs_real *voted_voltages(const pzs_loop *loop, const pzs_loop_core 
     return gate.last[0];
 }
 
-/* Set the present voltages of the controller to the voltages of the last tick. */
+/*
+ * Set the present voltages of the controller to the voltages of the last tick, and return the
+ * latter [inputs].
+ */
+static const pzs_real *restore_given(const pzs_loop *loop, const pzs_loop_core *core)
+{
+    const pzs_real *given = voted_voltages(loop, core);
+    memcpy(core->control->state.voltage, given, problem_of(core)->inputs * sizeof *given);
+    return given;
+}
+
+/* Take the voltages back that the controller has chosen in this tick. */
 static void restore_voltages(const pzs_loop *loop, const pzs_loop_core *core)
 {
-    memcpy(core->control->state.voltage, voted_voltages(loop, core),
-           problem_of(core)->inputs * sizeof(pzs_real));
+    (void)restore_given(loop, core);
     pzs_control_moved(core->control);
 }
 
@@ -549,7 +559,7 @@ pzs_status pzs_loop_tick(pzs_loop *loop, const pzs_real *wanted, const pzs_real 
                                 .measured = readings,
                                 .known_now = core->known_now,
                                 .known_next = core->known_next,
-                                .given = voted_voltages(loop, core),
+                                .given = restore_given(loop, core),
                                 .deviation = -1,
                                 .missed = missed < PZS_MISSED_LIMIT ? missed : PZS_MISSED_LIMIT,
                                 .sensors = core->sensors};

@@ -21,15 +21,6 @@ void pzs_control_set_held(pzs_control *control, uint32_t input, pzs_real voltage
         control->state.held[copy][input] = voltage;
 }
 
-void pzs_control_find_step_limits(pzs_control *control)
-{
-    const pzs_problem *problem = control->state.problem;
-    control->state.has_step_limits = false;
-    for (uint32_t i = 0; i < problem->inputs; i++)
-        control->state.has_step_limits |=
-            problem->step_limit[i] < problem->upper[i] - problem->lower[i];
-}
-
 void pzs_control_share_bounds(pzs_optimiser *optimiser, const pzs_control *control)
 {
     if (control->state.has_step_limits)
@@ -64,22 +55,40 @@ void pzs_control_set_constants(pzs_control *control)
 }
 
 /*
- * Set the present voltage limits and step limits of the controller, which are in RAM, to those of
- * its constant tables (pzs_problem); for an input that pzs_hold keeps at a voltage, both voltage
- * limits become this voltage.
+ * Copy the voltage limits and step limits of the tables. Returns whether any step limit is shorter
+ * than the distance between the voltage limits of its input.
  */
+static bool copy_limits(const pzs_problem *problem, pzs_real *restrict lower,
+                        pzs_real *restrict upper, pzs_real *restrict step_limit)
+{
+    const pzs_real *restrict lowest = problem->lower, *restrict highest = problem->upper,
+                             *restrict step = problem->step_limit;
+    bool has_step_limits = false;
+    for (const pzs_real *const end = lowest + problem->inputs; lowest < end; lowest++) {
+        has_step_limits |= *step < *highest - *lowest;
+        *lower++ = *lowest;
+        *upper++ = *highest++;
+        *step_limit++ = *step++;
+    }
+    return has_step_limits;
+}
+
 void pzs_control_restore_limits(pzs_control *control)
 {
     const pzs_problem *problem = control->state.problem;
-    pzs_real *const *held = control->state.held;
+    pzs_real *const *held = control->state.held, *const lower = control->state.lower,
+                    *const upper = control->state.upper;
     pzs_guard_vote(held[0], held[1], held[2], problem->inputs * sizeof *held[0]);
-    for (uint32_t i = 0; i < problem->inputs; i++) {
-        const bool is_held = number_is_finite(held[0][i]);
-        const pzs_real voltage = number_clamp(held[0][i], problem->lower[i], problem->upper[i]);
-        control->state.lower[i] = is_held ? voltage : problem->lower[i];
-        control->state.upper[i] = is_held ? voltage : problem->upper[i];
-        control->state.step_limit[i] = problem->step_limit[i];
-    }
+    control->state.has_step_limits = copy_limits(problem, lower, upper, control->state.step_limit);
+    for (uint32_t i = 0; i < problem->inputs; i++)
+        if (number_is_finite(held[0][i]))
+            lower[i] = upper[i] = number_clamp(held[0][i], lower[i], upper[i]);
+}
+
+uint32_t pzs_control_predicted_sum(const pzs_control *control)
+{
+    return pzs_guard_word_sum(control->state.predicted,
+                              control->state.problem->outputs * sizeof *control->state.predicted);
 }
 
 /* ---- Hessian ----------------------------------------------------------- */
@@ -240,8 +249,12 @@ void pzs_control_restore(pzs_control *control, const pzs_problem *problem,
     if (optimiser->checked_next >= optimiser->inputs)
         optimiser->checked_next = 0;
     pzs_control_restore_limits(control);
-    pzs_control_find_step_limits(control);
     pzs_control_share_bounds(optimiser, control);
+    const uint64_t work_limit = pzs_control_usual_work(problem);
+    if (control->settings.work_limit > work_limit)
+        control->settings.work_limit = work_limit;
+    if (pzs_control_predicted_sum(control) != control->state.predicted_sum)
+        pzs_control_moved(control);
     if (problem->limit_rows != NULL)
         problem->limit_rows->call->repair(control);
     scrub_next_row(control, hessian_table(problem, influence));
