@@ -152,7 +152,7 @@ pzs_status pzs_problem_seal(pzs_problem *problem);
 /* Settings of the controller that a program may change after pzs_control_init. */
 typedef struct pzs_control_settings {
     uint64_t work_limit; /* largest number of multiply-adds that the optimiser may use in a tick, at
-                            least PZS_WORK_LEAST; default, in a loop the most: pzs_problem's */
+                            least PZS_WORK_LEAST; a loop cuts it to the default, pzs_problem's */
 } pzs_control_settings;
 
 /* Results of the controller that a program may read. */
