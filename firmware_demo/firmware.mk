@@ -51,16 +51,16 @@ FW_TABLES += $(T)/$(1).h
 endef
 FW_COARSE := --set mesh.theta1.elements=5 --set mesh.theta2.elements=5
 FW_HEMISPHERE := --set mesh.theta1.elements=4 --set mesh.theta2.elements=4
-$(eval $(call fw_tables,plate_control,plate-50-patches --set limits.step_limit=20 --image control))
-$(eval $(call fw_tables,plate_linear,plate-50-patches --set limits.step_limit=20 --image linear))
-$(eval $(call fw_tables,plate5_linear,plate-50-patches --set limits.step_limit=20 $(FW_COARSE) --image linear))
-$(eval $(call fw_tables,plate5_modes,plate-50-patches --set limits.step_limit=20 $(FW_COARSE) --image linear --modes 5))
-$(eval $(call fw_tables,plate_modes,plate-50-patches --set limits.step_limit=20 --image linear --modes 5))
-$(eval $(call fw_tables,plate_nonlinear,plate-50-patches --set kinematics=nonlinear --image nonlinear))
+$(eval $(call fw_tables,plate_control,plate-50-patches --quasi-static --set limits.step_limit=20 --image control))
+$(eval $(call fw_tables,plate_linear,plate-50-patches --quasi-static --set limits.step_limit=20 --image linear))
+$(eval $(call fw_tables,plate5_linear,plate-50-patches --quasi-static --set limits.step_limit=20 $(FW_COARSE) --image linear))
+$(eval $(call fw_tables,plate5_modes,plate-50-patches --quasi-static --set limits.step_limit=20 $(FW_COARSE) --image linear --modes 5))
+$(eval $(call fw_tables,plate_modes,plate-50-patches --quasi-static --set limits.step_limit=20 --image linear --modes 5))
+$(eval $(call fw_tables,plate_nonlinear,plate-50-patches --quasi-static --set kinematics=nonlinear --image nonlinear))
 $(eval $(call fw_tables,hemisphere4_nonlinear,hemisphere $(FW_HEMISPHERE) --image nonlinear))
 $(eval $(call fw_tables,vlasov4_modes,vlasov-plate $(FW_HEMISPHERE) --set kinematics=nonlinear --set materials.plate.E=100 --set materials.plate.density=1 --image nonlinear --modes 3))
-$(eval $(call fw_tables,wing_linear,wing-panel --image linear --compact))
-$(eval $(call fw_tables,wing_nonlinear,wing-panel --set kinematics=nonlinear --image nonlinear --compact))
+$(eval $(call fw_tables,wing_linear,wing-panel --quasi-static --image linear --compact))
+$(eval $(call fw_tables,wing_nonlinear,wing-panel --quasi-static --set kinematics=nonlinear --image nonlinear --compact))
 # Meshes of Gmsh from the tests: an off-axis dish with 19 actuators, a box beam with sharp edges, a wing skin with a
 # cut-out and eight patches.
 $(eval $(call fw_tables,dish_control,tests/rigs/scenes/dish.yaml --image control))

@@ -102,11 +102,12 @@ const command_entry command_table[COMMANDS] = {
          "Writes a C header with the tables of the scene for the library on a device. The image "
          "says how much of the computation the device does itself. Where the materials have "
          "densities and vibration would make the control step unstable at the scene's rate, the "
-         "tick observes and damps the vibration modes; --quasi-static leaves that out. "
+         "tick observes and damps the vibration modes; --quasi-static leaves that out, and must be "
+         "said where the scene gives no rate. "
          "target.free needs the control image.",
-         {"pzs tables plate-50-patches --image linear --prefix plate -o plate.h",
-          "pzs tables plate-50-patches --image linear --modes 5 -o plate.h",
-          "pzs tables plate-closed-loop --quasi-static --prefix loop -o .", NULL}},
+         {"pzs tables plate-closed-loop --prefix loop -o .",
+          "pzs tables plate-50-patches --image linear --quasi-static --prefix plate -o plate.h",
+          "pzs tables plate-50-patches --image linear --quasi-static --modes 5 -o plate.h", NULL}},
     [COMMAND_SIMULATE] =
         {"simulate",
          "SCENE",
@@ -311,7 +312,8 @@ const option_entry option_table[OPTIONS] = {
         {"--quasi-static", NULL, "", ARGUMENT_NONE, NULL,
          BIT(COMMAND_TABLES) | BIT(COMMAND_SIMULATE) | BIT(COMMAND_FMU),
          "a tick without vibration model, also where vibration makes it unstable at the scene's "
-         "rate; the header then says so and defines PREFIX_QUASI_STATIC"},
+         "rate, or the scene gives no rate; the header then says so and defines "
+         "PREFIX_QUASI_STATIC"},
     [OPTION_PREFIX] = {"--prefix", NULL, "NAME", ARGUMENT_TEXT, NULL, BIT(COMMAND_TABLES),
                        "start of every name; default the scene's name"},
     [OPTION_PLANT] = {"--plant", NULL, "", ARGUMENT_NONE, NULL, BIT(COMMAND_FMU),

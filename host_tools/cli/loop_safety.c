@@ -100,6 +100,29 @@ int judge_loop(analysis *analysis, char *error)
         certificate->stable_rate);
 }
 
+int judge_rate(const analysis *analysis, char *error)
+{
+    const certificate *certificate = &analysis->certificate;
+    const design *design = &analysis->design;
+    char known[ADVICE_PART];
+    if (analysis->quasi_static || !certificate_lacks_rate(certificate))
+        return 0;
+    snprintf(known, sizeof known, "the scene has %s (first mode %.4g Hz), but no tick rate",
+             design->measured.given ? "measured modes" : "densities",
+             certificate_first(certificate));
+    if (certificate->has_gains)
+        return scene_fault(design->control.modal_gains.at, error,
+                           "%s: without it, nothing tells whether the loop with these gains of "
+                           "modes is stable; write control: {rate: ...}, in ticks a "
+                           "second, or say --quasi-static",
+                           known);
+    return scene_fault(design->at, error,
+                       "%s: the tables would hold a tick that damps no vibration, stable up to "
+                       "%.3g ticks a second; write control: {rate: ...}, in ticks a second, or say "
+                       "--quasi-static",
+                       known, certificate->stable_rate);
+}
+
 /*
  * Largest displacement of the target shape over the thickness of the structure; 0 for a measured
  * influence matrix, of whose structure no thickness is known.

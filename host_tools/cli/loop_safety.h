@@ -15,6 +15,13 @@
 int judge_loop(analysis *analysis, char *error);
 
 /*
+ * Refuse tables without a vibration model for a structure whose vibration modes are known, where
+ * the scene gives no tick rate, unless the options permit such tables. Call it after judge_loop.
+ * Returns 0, or -1 with error filled.
+ */
+int judge_rate(const analysis *analysis, char *error);
+
+/*
  * Refuse a control loop with a vibration damper if it is unstable or does not settle after fast
  * jumps of the target. Returns 0, or -1 with error filled.
  */

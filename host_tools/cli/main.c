@@ -750,6 +750,8 @@ static int certify_tables(analysis *analysis, char *error)
 {
     if (analysis->design.problem.inputs == 0 || analysis->quasi_static)
         return 0;
+    if (judge_rate(analysis, error) < 0)
+        return LOOP_REFUSED;
     if (certify_loop(analysis, error) < 0 || certify_margins(analysis, false, error) < 0)
         return failed_code(analysis);
     warn_of_loop(analysis);

@@ -253,6 +253,12 @@ bool certificate_refuses(const certificate *certificate)
     return certificate->is_assessed && certificate->rate > 0 && !is_stable;
 }
 
+bool certificate_lacks_rate(const certificate *certificate)
+{
+    return certificate->is_assessed && certificate->has_modes && !(certificate->rate > 0) &&
+           isfinite(certificate->stable_rate);
+}
+
 bool certificate_is_prestressed(const certificate *certificate)
 {
     const double ratio = certificate->load_ratio;

@@ -265,6 +265,12 @@ certificate_range certificate_rates(const certificate_loop *loop);
 bool certificate_refuses(const certificate *certificate);
 
 /*
+ * Whether the vibration modes are known, but not the tick rate, without which the control tick gets
+ * no vibration model; false where a tick without such a model is stable at every rate.
+ */
+bool certificate_lacks_rate(const certificate *certificate);
+
+/*
  * Whether the static loads are known to change the first natural frequency by more than 5 %, while
  * the stability tests and the tables of the loop belong to the structure without loads.
  */

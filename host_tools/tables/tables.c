@@ -742,7 +742,7 @@ static void write_verdict(const emitter *emitter, const certificate_loop *loop)
 /*
  * Write a comment on stability into the generated header: which vibration modes the loop damps, or,
  * without a vibration model, up to which tick rate it is stable. If such a loop is unstable at the
- * scene's tick rate, also write the macro PREFIX_QUASI_STATIC.
+ * scene's tick rate, or the scene gives no tick rate, also write the macro PREFIX_QUASI_STATIC.
  */
 static void write_stability(const emitter *emitter, const certificate *certificate,
                             const damper *damper)
@@ -758,8 +758,12 @@ static void write_stability(const emitter *emitter, const certificate *certifica
     emit_comment_lines(emitter, text);
     emit_comment_end(emitter);
     write_verdict(emitter, &certificate->loop);
-    if (!damper->is_used && certificate_refuses(certificate))
+    if (!damper->is_used &&
+        (certificate_refuses(certificate) || certificate_lacks_rate(certificate))) {
+        emit_comment(emitter, "written with --quasi-static: the tick damps no vibration, and the "
+                              "structure must have settled when the next tick reads its sensors");
         fprintf(emitter->file, "#define %s_QUASI_STATIC 1\n", emitter->upper);
+    }
     fputs("\n", emitter->file);
 }
 

@@ -12,7 +12,7 @@ rest='tests/bench/count_tick.c firmware_demo/demos/print.c'
 rest="$rest $(echo lib/core/*.c lib/control/*.c lib/model/*.c)"
 n=0
 
-"$1" tables plate-50-patches --set 'loads=[{face: outer, pressure: 20}]' --set 'limits.voltage=[-300, 300]' --set limits.step_limit=20 \
+"$1" tables plate-50-patches --quasi-static --set 'loads=[{face: outer, pressure: 20}]' --set 'limits.voltage=[-300, 300]' --set limits.step_limit=20 \
     --set 'outputs=[{name: tip, u3: middle, edge: theta1+}]' --set 'estimate={readings: [{output: tip, noise: 1e-7}]}' \
     --image control --prefix demo -o "$dir/count_tick.h" >/dev/null || { echo 'not ok 1 - tables'; exit 1; }
 
@@ -20,7 +20,7 @@ n=0
     --image control --prefix demo -o "$dir/count_damped.h" >/dev/null || { echo 'not ok 1 - tables of a damped tick'; exit 1; }
 
 # A ceramic with 20 % of hysteresis and creep, as identified from a sweep of Preisach's relays: 8 plays, 3 creeps.
-"$1" tables plate-50-patches --set 'limits.voltage=[-300, 300]' --set limits.step_limit=20 \
+"$1" tables plate-50-patches --quasi-static --set 'limits.voltage=[-300, 300]' --set limits.step_limit=20 \
     --set 'hysteresis={range: [-300, 300], slopes: [0.368547, 0.426044, 0.437888, 0.503396], slack: [19.091, 47.0075, 79.6316, 115.746, 154.699, 196.076, 239.583, 285], above: [0.082997, 0.18585, 0.337765, 0.194578, 0.0411033, 0.0167373, 0.00482822, 0.0381532], below: [0.0661642, 0.149027, 0.290258, 0.153003, 0.00975122, 0, 0, 0.0376249], offset: -2.96617, creep_time: [0.1, 1, 10], creep: [0.0340785, 0.00622968, 0.136663]}' \
     --image control --prefix demo -o "$dir/count_hysteresis.h" >/dev/null || { echo 'not ok 1 - tables of a ceramic'; exit 1; }
 

@@ -315,8 +315,8 @@ run 0 shape plate-50-patches --limit 200 --set 'target.free=[piston]' --json && 
     cp "$dir/out" "$dir/free" && run 0 shape plate-50-patches --limit 200 --set 'target.value=0.1*x*(y-0.1)+1e-2' --set 'target.free=[piston]' --json &&
     json "abs(j['shape_error']/json.load(open('$dir/free'))['shape_error']-1)<1e-9"
 check 'a free piston in the target costs nothing' $?
-run 2 tables plate-50-patches --set 'target.free=[tip]' --image linear -o "$dir/free.h" && says 'target.free' && [ ! -e "$dir/free.h" ] &&
-    run 0 tables plate-50-patches --set 'target.free=[tip]' -o "$dir/free.h" && grep -q 'without the free functions of the target' "$dir/free.h"
+run 2 tables plate-50-patches --quasi-static --set 'target.free=[tip]' --image linear -o "$dir/free.h" && says 'target.free' && [ ! -e "$dir/free.h" ] &&
+    run 0 tables plate-50-patches --quasi-static --set 'target.free=[tip]' -o "$dir/free.h" && grep -q 'without the free functions of the target' "$dir/free.h"
 check 'free functions: carried by the control image, refused by the linear one' $?
 run 2 simulate plate-closed-loop --set 'target.free=[piston]' --set 'simulate.events=[{at: 9, dead: [v_1_1], announced: detected}]' && says 'announced: detected'; check 'free functions and the fault detector: exit 2' $?
 run 2 solve no-such-scene && says 'no-such-scene'; check 'unknown scene' $?
@@ -384,15 +384,15 @@ run 0 shape plate-50-patches --set 'outputs.0={name: rim, u3: middle, edge: thet
     run 0 shape plate-50-patches --set 'outputs.0={name: rim, u3: middle, edge: theta1+}' && [ "$(awk '/ theta1 .* rim$/ {on = 1; next} /^$/ {on = 0} on' "$dir/out" | wc -l)" -eq 11 ]
 check 'shape: an output of an edge has all its nodes' $?
 
-run 0 tables plate-50-patches --prefix a -o "$dir/one.h" && run 0 tables plate-50-patches --prefix a -o "$dir/two.h" && cmp -s "$dir/one.h" "$dir/two.h"
+run 0 tables plate-50-patches --quasi-static --prefix a -o "$dir/one.h" && run 0 tables plate-50-patches --quasi-static --prefix a -o "$dir/two.h" && cmp -s "$dir/one.h" "$dir/two.h"
 check 'the same scene gives the same tables' $?
 run 2 tables plate-50-patches && says '-o FILE'; check 'tables without -o' $?
-run 0 tables plate-50-patches --prefix a -o - && cmp -s "$dir/out" "$dir/one.h" && grep -q 'control image' "$dir/err" && [ ! -e - ]; check 'tables on standard output, the summary beside them' $?
+run 0 tables plate-50-patches --quasi-static --prefix a -o - && cmp -s "$dir/out" "$dir/one.h" && grep -q 'control image' "$dir/err" && [ ! -e - ]; check 'tables on standard output, the summary beside them' $?
 run 0 solve scordelis-lo --vtu "$dir/a.vtu" && run 0 solve scordelis-lo --vtu - && cmp -s "$dir/out" "$dir/a.vtu"; check 'a VTU file on standard output' $?
 run 2 solve scordelis-lo --npz - && says 'binary file' && run 2 fmu plate-50-patches --plant -o - && says 'binary file' && run 2 solve scordelis-lo --csv-dir - && says 'several files' &&
     run 2 solve scordelis-lo --json --vtu - && says '--json goes to standard output' && run 2 solve scordelis-lo --svg - --vtu - && says 'one name'
 check 'what standard output cannot take is refused by name' $?
-run 1 tables plate-50-patches -o "$dir/none/x.h" && says 'cannot write'; check 'tables into no folder' $?
+run 1 tables plate-50-patches --quasi-static -o "$dir/none/x.h" && says 'cannot write'; check 'tables into no folder' $?
 run 1 shape none.yaml --report "$dir/none/x.html" && says 'cannot write' && run 1 shape none.yaml --npz '' && says "cannot write ''"
 check 'a file that cannot be written is refused before the computation' $?
 run 0 solve scordelis-lo --report "$dir/r.html" --vtu "$dir/r.vtu" && [ -s "$dir/r.html" ] && [ -s "$dir/r.vtu" ] && ! ls "$dir"/*.part >/dev/null 2>&1
@@ -460,14 +460,14 @@ int main(void)
     return status != PZS_OK ? (int)status : (int)pzs_control_init(&c, &q_problem, b, more, sizeof more);
 }
 EOT
-run 0 tables plate-50-patches --set element=improved --set 'limits.voltage=[-0.0, 3]' --image linear --prefix q -o "$dir/q.h"
+run 0 tables plate-50-patches --quasi-static --set element=improved --set 'limits.voltage=[-0.0, 3]' --image linear --prefix q -o "$dir/q.h"
 for bits in 32 64; do
     gcc -std=c99 -Iinclude -I"$dir" -DPZS_REAL_BITS=$bits "$dir/q.c" "$B/$bits/libpiezoshape.a" -lm -o "$dir/q" && "$dir/q"
     check "a linear image of the improved element starts, $bits bits" $?
 done
-run 0 tables plate-50-patches --set 'loads=[{face: outer, pressure: 5}]' --prefix q -o "$dir/loaded.h"; sed -n '/q_target/,$p' "$dir/loaded.h" >"$dir/loaded.target"; sed -n '/q_target/,$p' "$dir/q.h" >"$dir/unloaded.target"
+run 0 tables plate-50-patches --quasi-static --set 'loads=[{face: outer, pressure: 5}]' --prefix q -o "$dir/loaded.h"; sed -n '/q_target/,$p' "$dir/loaded.h" >"$dir/loaded.target"; sed -n '/q_target/,$p' "$dir/q.h" >"$dir/unloaded.target"
 ! cmp -s "$dir/loaded.target" "$dir/unloaded.target"; check "the firmware's target allows for the loads" $?
-run 2 tables plate-50-patches --prefix Pzs -o "$dir/t.h" && says 'prefix'; check "the library's own prefix is refused" $?
+run 2 tables plate-50-patches --quasi-static --prefix Pzs -o "$dir/t.h" && says 'prefix'; check "the library's own prefix is refused" $?
 run 2 solve "$dir/good.yaml" --report "$dir/one" --vtu "$dir/one" && says 'one name'; check 'two outputs under one name' $?
 run 2 solve "$dir/good.yaml" --report "$dir/good.yaml" && says 'one name'; check 'a report over the scene itself' $?
 run 2 solve "$dir/good.yaml" --report "$dir/./good.yaml" && says 'one name' && run 2 solve "$dir/good.yaml" --report "$dir/new" --vtu "$dir/./new" && says 'one name'
@@ -530,7 +530,7 @@ run 0 solve "$dir/tube.yaml" --set 'outputs.1={name: b, u3: middle, at: {theta1:
 check 'a region on the seam holds the nodes of the seam' $?
 run 0 solve "$dir/tube.yaml" --set 'supports.1={edge: theta2+, fix: clamped}' --json && json "j['outputs']['a']==0"; check 'a support on the seam holds from either side' $?
 run 2 solve "$dir/tube.yaml" --set mesh.theta2.elements=2 && says 'at least 3'; check 'two elements around are refused' $?
-run 0 tables plate-50-patches --set 'limits.voltage=[-133.3, 133.3]' --set limits.step_limit=0.1 --prefix a -o "$dir/a.h"
+run 0 tables plate-50-patches --quasi-static --set 'limits.voltage=[-133.3, 133.3]' --set limits.step_limit=0.1 --prefix a -o "$dir/a.h"
 cat >"$dir/l.c" <<'EOT'
 #include "a.h"
 static double work[1 << 16];
@@ -935,8 +935,8 @@ run 0 tables plate-closed-loop -o "$dir/damped.h" && cp "$dir/out" "$dir/damped.
     grep -q '9 modes from 15.04 to 314.2 Hz, at 1000 ticks a second' "$dir/damped.h" && ! grep -q QUASI_STATIC "$dir/damped.h"; check 'tables of an unstable loop damp vibration' $?
 run 0 tables plate-closed-loop --set control.moving_target=true -o "$dir/x.h" && grep -q 'pzs_governor_block' "$dir/x.h"; check 'tables of a moving target have a governor' $?
 run 0 tables plate-closed-loop --set dynamics='{damping: 0.2}' --set control.rate=4 -o "$dir/x.h" && ! grep -q QUASI_STATIC "$dir/x.h"; check 'tables of a stable loop' $?
-run 0 tables plate-50-patches --image linear --modes 3 --prefix t -o "$dir/modes.h" && grep -q '^#define T_MODES_VECTORS 14' "$dir/modes.h" && grep -q 'static const pzs_mass t_mass' "$dir/modes.h" &&
-    grep -q '3 vibration modes, 14 Lanczos vectors: workspace' "$dir/out" && grep -q 'element mass matrices: 1,' "$dir/out" && run 0 tables plate-50-patches --image linear --modes 3 --set 'masses=[{at: {theta1: 0.1, theta2: 0.1}, mass: 0.01}]' --prefix t -o "$dir/x.h" && grep -q 'element mass matrices: 2,' "$dir/out"
+run 0 tables plate-50-patches --quasi-static --image linear --modes 3 --prefix t -o "$dir/modes.h" && grep -q '^#define T_MODES_VECTORS 14' "$dir/modes.h" && grep -q 'static const pzs_mass t_mass' "$dir/modes.h" &&
+    grep -q '3 vibration modes, 14 Lanczos vectors: workspace' "$dir/out" && grep -q 'element mass matrices: 1,' "$dir/out" && run 0 tables plate-50-patches --quasi-static --image linear --modes 3 --set 'masses=[{at: {theta1: 0.1, theta2: 0.1}, mass: 0.01}]' --prefix t -o "$dir/x.h" && grep -q 'element mass matrices: 2,' "$dir/out"
 check 'tables --modes: equal elements share a mass matrix, a concentrated mass has its own' $?
 run 0 tables vlasov-plate --set kinematics=nonlinear --set materials.plate.E=100 --set materials.plate.density=1 --image nonlinear --modes 3 --prefix t -o "$dir/x.h" && sed -n '/t_reached_frequency\[3\]/{n;p;}' "$dir/x.h" | tr -d ' ,PZS_R(' | tr ')' '\n' >"$dir/device" &&
     run 0 modes vlasov-plate --set kinematics=nonlinear --set materials.plate.E=100 --set materials.plate.density=1 --number 3 --json && python3 -c '
@@ -945,10 +945,21 @@ device = [float(line) for line in open(sys.argv[1]) if line.strip()]
 host = json.load(open(sys.argv[2]))["frequency"]
 sys.exit(not (len(host) == 3 and all(abs(a / b - 1) < 1e-9 for a, b in zip(device, host, strict=True)) and host[0] > 1.5))' "$dir/device" "$dir/out"
 check 'tables --modes of a nonlinear image: frequencies about the equilibrium, those of pzs modes' $?
-run 2 tables plate-50-patches --modes 3 -o "$dir/x.h" && says 'needs --image linear or nonlinear' && run 2 tables plate-50-patches --image linear --modes 201 -o "$dir/x.h" && says '--modes is a whole number' &&
+run 2 tables plate-50-patches --quasi-static --modes 3 -o "$dir/x.h" && says 'needs --image linear or nonlinear' && run 2 tables plate-50-patches --quasi-static --image linear --modes 201 -o "$dir/x.h" && says '--modes is a whole number' &&
     run 2 tables clamped-plate --image linear --modes 3 -o "$dir/x.h" && says 'no density in material' && run 2 modes plate-50-patches --modes 3 && says 'belongs to tables'; check 'tables --modes: refused without masses, for a control image, for no number' $?
 grep -q '^#define PLATE_CLOSED_LOOP_QUASI_STATIC 1' "$dir/target.h" && grep -q 'has no vibration model' "$dir/target.h"; check '--quasi-static marks the header' $?
-run 0 tables plate-50-patches -o "$dir/none.h" && grep -q 'because the scene gives no tick rate: write control' "$dir/out" && grep -q 'stable up to 0.27 ticks a second' "$dir/out" &&
+rm -f "$dir/none.h"
+for image in control linear nonlinear; do
+    run 3 tables plate-50-patches $coarse --set kinematics=auto --image $image -o "$dir/none.h" && [ ! -e "$dir/none.h" ] &&
+        tail -n 1 "$dir/err" | grep -q 'the scene has densities (first mode 14.95 Hz), but no tick rate: .*write control: {rate: ...}, in ticks a second, or say --quasi-static' || break
+    run 0 tables plate-50-patches $coarse --set kinematics=auto --image $image --quasi-static --prefix p -o "$dir/none.h" &&
+        grep -q '^#define P_QUASI_STATIC 1$' "$dir/none.h" && grep -q 'written with --quasi-static: the tick damps no vibration' "$dir/none.h" || break
+    rm -f "$dir/none.h"
+done
+[ ! -e "$dir/none.h" ]; check 'tables of a structure with densities need a tick rate or --quasi-static, in every image' $?
+run 3 tables plate-50-patches $coarse --set 'control={modal_gains: {gain: 0.5}}' -o "$dir/none.h" && tail -n 1 "$dir/err" | grep -q 'nothing tells whether the loop with these gains of modes is stable'
+check 'tables with gains of modes need a tick rate or --quasi-static' $?
+run 0 tables plate-50-patches --quasi-static -o "$dir/none.h" && grep -q 'no vibration model, as --quasi-static asks for' "$dir/out" && grep -q 'stable up to 0.27 ticks a second' "$dir/out" &&
     run 0 tables free-form-panel -o "$dir/none.h" && grep -q 'vibration is not known: .* no density in materials' "$dir/out"
 check 'tables say why the tick has no vibration model' $?
 ones=$(printf '1,%.0s' 1 2 3 4 5 6 7 8 9 10 11 12 13 14 15 16 17 18)

@@ -128,7 +128,7 @@ for table in 'follower_pressure_0 torus-pressure' 'contact_area torus-contact'; 
     attached $table
     tap $? "$table: accepted in either precision, refused where damaged"
 done
-same 'compact element types, follower load, contact' wing-panel --compact --set kinematics=nonlinear --set 'loads=[{face: outer, pressure: 200,
+same 'compact element types, follower load, contact' wing-panel --quasi-static --compact --set kinematics=nonlinear --set 'loads=[{face: outer, pressure: 200,
     follower: pressure}]' --set 'contact={face: outer, body: {type: sphere, point: [0.36, 0.54, 0.4195], radius: 0.4}}'
 grep -q 'NULL, NULL, t_compact_types, t_nodes' "$scratch/t.h"
 tap $? 'compact tables hold no full element types'
@@ -215,7 +215,7 @@ int main(void)
 EOT
 # with_modes IMAGE KINEMATICS BITS...: header of the image, program that compares the frequencies, and its run for each precision
 with_modes() {
-    "$PZS" tables plate-50-patches --set kinematics="$2" --set mesh.theta1.elements=5 --set mesh.theta2.elements=5 --image "$1" \
+    "$PZS" tables plate-50-patches --quasi-static --set kinematics="$2" --set mesh.theta1.elements=5 --set mesh.theta2.elements=5 --image "$1" \
         --compact --modes 6 --prefix t -o "$scratch/t.h" >"$scratch/told" 2>"$scratch/found" || return 1
     cp "$scratch/modes.c" "$scratch/program.c"
     shift 2

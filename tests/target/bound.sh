@@ -78,11 +78,12 @@ if tap_needs "$ARM_CC" 'bounds' && tap_needs "$QEMU" 'bounds'; then
         loop 'slow damped loop, whose optimiser may work long' plate-50-patches $limits --set 'control={rate: 400, clock: 168 MHz}'
         # shellcheck disable=SC2086
         loop 'gains and leaks of modes' plate-50-patches $limits \
-            --set 'control={modal_gains: {modes: 20, gain: 0.5, leak: 0.01, other_gain: 0.2, other_leak: 0.02}}'
+            --set 'control={rate: 0.2, modal_gains: {modes: 20, gain: 0.5, leak: 0.01, other_gain: 0.2, other_leak: 0.02}}'
         # shellcheck disable=SC2086
         loop 'free functions' plate-50-patches $limits --set 'control={rate: 800, clock: 168 MHz}' --set 'target.free=[piston, tip, tilt]'
         # shellcheck disable=SC2086
-        loop 'free functions, without a damper' plate-50-patches $limits --set 'safety={}' --set 'target.free=[piston]'
+        loop 'free functions, without a damper' plate-50-patches $limits --set 'control={rate: 0.2}' --set 'safety={}' \
+            --set 'target.free=[piston]'
         # shellcheck disable=SC2086
         loop 'sensor gate' plate-50-patches $limits --set 'control={rate: 400, clock: 168 MHz, sensor_gate: true}'
         # shellcheck disable=SC2086
