@@ -256,7 +256,7 @@ bool certificate_refuses(const certificate *certificate)
 bool certificate_lacks_rate(const certificate *certificate)
 {
     return certificate->is_assessed && certificate->has_modes && !(certificate->rate > 0) &&
-           isfinite(certificate->stable_rate);
+           !isinf(certificate->stable_rate);
 }
 
 bool certificate_is_prestressed(const certificate *certificate)

@@ -20,9 +20,10 @@ enum { SWAPS = 40 };
 static const double distinct = 1e-6;
 
 /*
- * Limits for the search of swapped outputs (rows of the influence matrix). A swap counts as found
- * if the fraction that the mode shapes leave unexplained falls by more than `least_gain` times this
- * fraction, and by more than `rounding`.
+ * Limits for the search of swapped outputs (rows of the influence matrix). The search goes on while
+ * a swap lowers the fraction that the mode shapes leave unexplained by more than `least_gain` times
+ * this fraction, or by more than MATRIX_SWAP_BAR times what they leave of an average pair of
+ * outputs (swap_gain), and by more than `rounding`.
  */
 static const double least_gain = 0.05, rounding = 1e-9;
 
@@ -125,23 +126,29 @@ static bool take_memory(comparison *c)
 
 /*
  * Compute the shares of the influence matrix (of the sum of its squared entries) that each
- * vibration mode and all modes together explain.
+ * vibration mode and all modes together explain, and whether each of its columns agrees with them.
  */
 static void find_shares(const comparison *c, matrix_modes *found)
 {
     double left = 0;
     for (size_t amplifier = 0; amplifier < c->amplifiers; amplifier++) {
+        double product = 0, column = 0, modes = 0;
         matrix_modes_response(c->measured, c->amplifiers, amplifier, c->basis, c->triangle,
                               c->response);
         for (size_t i = 0; i < c->outputs; i++) {
-            double rest = c->matrix[i * c->amplifiers + amplifier];
+            const double entry = c->matrix[i * c->amplifiers + amplifier];
+            double sum = 0;
             for (size_t k = 0; k < c->modes; k++) {
                 const double part = c->measured->mode[k].shape[i] * c->response[k];
                 found->of_mode[k] += part * part / c->size;
-                rest -= part;
+                sum += part;
             }
-            left += rest * rest;
+            left += (entry - sum) * (entry - sum);
+            product += entry * sum;
+            column += entry * entry;
+            modes += sum * sum;
         }
+        found->cosine[amplifier] = product / (sqrt(column) * sqrt(modes));
     }
     found->share = 1 - left / c->size;
 }
@@ -223,23 +230,39 @@ static void swap_rows(const comparison *c, const size_t pair[2])
 }
 
 /*
+ * Return the fraction `gain` of the squared entries of the influence matrix that a swap explains,
+ * over the fraction that remains unexplained of two average outputs, in units of what chance
+ * reaches with few amplifiers.
+ *   rest in  fraction that the mode shapes leave unexplained of all outputs after the swap
+ */
+static double relative_gain(const comparison *c, double gain, double rest)
+{
+    const double pair = 2 * fmax(rest, rounding) / (double)c->outputs;
+    return gain / pair / (1 + 8 / (double)c->amplifiers);
+}
+
+/*
  * Swap pairs of outputs (rows of the influence matrix) as long as each swap lets the mode shapes
  * explain clearly more of the influence matrix.
  */
 static void find_swaps(const comparison *c, matrix_modes *found)
 {
-    while (found->swaps < SWAPS && c->outputs <= MATRIX_SWAPPED_OUTPUTS) {
+    double first = 0;
+    while (found->swaps < SWAPS && c->outputs <= MATRIX_SWAPPED_OUTPUTS && c->amplifiers > 1) {
         size_t pair[2] = {0, 0};
-        const double gain = best_swap(c, pair);
-        if (!(gain > fmax(least_gain * found->swapped_rest, rounding)))
-            return;
+        const double gain = best_swap(c, pair), left = found->swapped_rest - gain;
+        const bool is_clear = relative_gain(c, gain, left) > MATRIX_SWAP_BAR;
+        if (!(gain > rounding && (is_clear || gain > least_gain * found->swapped_rest)))
+            break;
         if (found->swaps++ == 0) {
             found->swapped[0] = (int)pair[0];
             found->swapped[1] = (int)pair[1];
+            first = gain;
         }
         swap_rows(c, pair);
         found->swapped_rest = find_rest(c);
     }
+    found->swap_gain = relative_gain(c, first, found->swapped_rest);
 }
 
 /*
@@ -289,7 +312,8 @@ int matrix_modes_find(matrix_modes *found, const scene_influence *measured, size
     found->of_mode = calloc(c.modes + 1, sizeof *found->of_mode);
     for (size_t i = 0; i < c.outputs * amplifiers; i++)
         c.size += measured->matrix[i] * measured->matrix[i];
-    const bool is_ready = found->of_mode && take_memory(&c) && c.size > 0 &&
+    found->cosine = calloc(amplifiers + 1, sizeof *found->cosine);
+    const bool is_ready = found->of_mode && found->cosine && take_memory(&c) && c.size > 0 &&
                           matrix_modes_basis(measured, c.basis, c.triangle) < 0;
     if (is_ready) {
         find_shares(&c, found);
@@ -305,5 +329,6 @@ int matrix_modes_find(matrix_modes *found, const scene_influence *measured, size
 void matrix_modes_free(matrix_modes *found)
 {
     free(found->of_mode);
+    free(found->cosine);
     memset(found, 0, sizeof *found);
 }

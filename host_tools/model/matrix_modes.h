@@ -18,11 +18,18 @@ typedef struct matrix_modes {
                         that each vibration mode explains. Under a constant voltage of one
                         amplifier, the mode contributes its shape times its static modal coordinate
                         to the column of the amplifier. */
+    double *cosine;  /* [amplifiers] cosine of the angle between each column of the influence matrix
+                        and the static part of all modes in it (sum of shape times static response);
+                        NAN where one of the two is 0 */
     int swaps; /* number of pairs of outputs (rows of the influence matrix) that were swapped so
                   that the mode shapes explain more of the matrix */
     int swapped[2];     /* indices, counted from 0, of the pair of outputs (rows of the influence
                            matrix) that was swapped first, because this swap lets the mode shapes
                            explain most of the matrix */
+    double swap_gain;   /* squared entries of the influence matrix that the mode shapes explain only
+                           after the first pair of outputs was swapped, over those that they leave of
+                           two average outputs after all swaps; divided by what chance reaches with
+                           few amplifiers, 1 + 8/amplifiers. 0 without a swap or with one amplifier */
     double random_rest; /* mean fraction of the squared entries of the influence matrix that the
                            mode shapes would not represent if their outputs were in random order. If
                            the member `rest` is near this value, mode shapes and influence matrix
@@ -33,6 +40,12 @@ typedef struct matrix_modes {
                             mode shapes cannot represent) after rows in the wrong order have been
                             swapped */
 } matrix_modes;
+
+/*
+ * Smallest swap_gain at which two outputs count as swapped. Of 2,600 plates with noise, unknown
+ * modes and outputs in the right order none with more than one amplifier reached it.
+ */
+#define MATRIX_SWAP_BAR 5.0
 
 /*
  * Largest number of outputs with which the program searches for errors in the order of outputs:

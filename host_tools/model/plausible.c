@@ -7,6 +7,7 @@
 
 #include <math.h>
 #include <string.h>
+#include "matrix_modes.h"
 #include "plausible_parts.h"
 #include "stress_summary.h"
 
@@ -135,6 +136,9 @@ static const struct rule {
      "write them with units of their own, as 63 GPa and -180 pm/V"},
     {"uneven_piezo", SUBJECT_SCENE, measure_uneven_piezo, 5e-3, HUGE_VAL, "",
      "compare their units"},
+    {"missing_d32", SUBJECT_SCENE, measure_missing_32, 0, 0, "constants",
+     "the material then strains along its axis 1 alone; write d32 (or e32), equal to d31 in a "
+     "ceramic that is poled through its thickness, or 0"},
     {"stack_stiffness", SUBJECT_SCENE, measure_stack_stiffness, 1, 1.5e10, "N/m",
      CHECK_UNITS "20 N/um"},
     {"stack_stroke", SUBJECT_SCENE, measure_stack_stroke, 1e-10, 5e-5, "m/V",
@@ -214,13 +218,16 @@ static const struct rule {
     {"modes_share", SUBJECT_SCENE, measure_modes_share, 0.5, HUGE_VAL, "",
      "compare the unit of the responses with that of the matrix, and their order with the "
      "actuators"},
+    {"reversed_column", SUBJECT_SCENE, measure_reversed_column, MATRIX_REVERSED, HUGE_VAL, "",
+     "one of the two has the wrong sign, and the loop would drive that actuator the wrong way: "
+     "change the sign of the column or of the actuator's entries of response"},
     {"mode_share", SUBJECT_SCENE, measure_mode_share, 0, 1, "",
      "a mode cannot be larger than the whole: compare the unit of its response with the matrix, or "
      "leave out one of two modes with nearly equal shapes"},
     {"shuffled_modes", SUBJECT_SCENE, measure_shuffled_modes, 0, 0.95, "",
      "write the outputs of the shapes in the order of the matrix, or give the modes that the "
      "actuators move most"},
-    {"swapped_outputs", SUBJECT_SCENE, measure_swapped_outputs, 0, 1.5, "",
+    {"swapped_outputs", SUBJECT_SCENE, measure_swapped_outputs, 0, MATRIX_SWAP_BAR, "",
      "write the outputs of the shapes in the order of the matrix"},
 };
 

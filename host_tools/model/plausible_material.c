@@ -309,6 +309,20 @@ int measure_uneven_piezo(const subject *of, int k, measured *found)
     return 1;
 }
 
+int measure_missing_32(const subject *of, int k, measured *found)
+{
+    if (!has_material(of, k, found))
+        return 0;
+    const scene_material *material = &of->scene->material[k];
+    const char letter = material->has_e ? 'e' : 'd';
+    const double one = material->has_e ? material->piezo_e[0] : material->d31;
+    if (material->lacks_32 && one != 0)
+        found->value = 1;
+    snprintf(found->what, WHAT, "constants of material '%s' that are 0 because %c31 is given alone",
+             material->name, letter);
+    return 1;
+}
+
 /* ---- layers ----------------------------------------------------------- */
 
 int measure_thickness(const subject *of, int k, measured *found)

@@ -16,11 +16,8 @@
  */
 enum { COMPARED = 512 };
 
-/*
- * Largest number of dead actuators (actuators almost without effect in the influence matrix) that a
- * warning names.
- */
-enum { NAMED_DEAD = 8 };
+/* Largest number of actuators that a warning names. */
+enum { NAMED = 8 };
 
 /*
  * Return whether the measured influence matrix has a column for actuator k. If so, the result
@@ -71,17 +68,17 @@ static int is_held(const scene *scene, int k)
 }
 
 /*
- * Append the name of an actuator to a list of dead actuators (almost without effect in the
- * influence matrix), which shows only the first few names (at most NAMED_DEAD).
+ * Append the name of an actuator to a list of actuators, which shows only the first few names (at
+ * most NAMED).
  *   names [WHAT] in/out  text of the list
  *   count        in      number of actuators that are already in the list
  */
-static void name_dead(const char *name, int count, char *names)
+static void name_actuator(const char *name, int count, char *names)
 {
     const size_t used = strlen(names);
-    if (count < NAMED_DEAD)
+    if (count < NAMED)
         snprintf(names + used, WHAT - used, "%s '%s'", count > 0 ? "," : "", name);
-    else if (count == NAMED_DEAD)
+    else if (count == NAMED)
         snprintf(names + used, WHAT - used, " and others");
 }
 
@@ -101,7 +98,7 @@ static void name_weak(const scene *scene, double reference, double from, double 
         const double size = matrix_column_size(scene, i) / reference;
         if (is_held(scene, i) || !(size >= from && size < to))
             continue;
-        name_dead(scene->actuator[i].name, count++, names);
+        name_actuator(scene->actuator[i].name, count++, names);
         least = fmin(least, size);
     }
     if (count > 0)
@@ -260,18 +257,39 @@ int measure_mode_share(const subject *of, int k, measured *found)
     return 1;
 }
 
+int measure_reversed_column(const subject *of, int k, measured *found)
+{
+    matrix_modes compared;
+    char names[WHAT] = "";
+    int count = 0;
+    if (k > 0 || !compare_modes(of, false, &compared, found))
+        return 0;
+    for (int i = 0; i < of->scene->amplifiers; i++) {
+        if (!(compared.cosine[i] < MATRIX_REVERSED))
+            continue;
+        found->value = count > 0 ? fmin(found->value, compared.cosine[i]) : compared.cosine[i];
+        name_actuator(of->scene->actuator[i].name, count++, names);
+    }
+    const char *form = count > 1 ? "cosine between the columns of actuators%.200s and the modes' "
+                                   "static responses to them, the least"
+                                 : "cosine between the column of actuator%.200s and the modes' "
+                                   "static response to it";
+    snprintf(found->what, WHAT, form, names);
+    matrix_modes_free(&compared);
+    return 1;
+}
+
 int measure_swapped_outputs(const subject *of, int k, measured *found)
 {
-    static const double smallest = 1e-6;
     const int *row = of->scene->influence.row;
     matrix_modes compared;
     if (k > 0 || !compare_modes(of, true, &compared, found))
         return 0;
     if (compared.swaps > 0)
-        found->value = (compared.rest + smallest) / (compared.swapped_rest + smallest);
+        found->value = compared.swap_gain;
     snprintf(found->what, WHAT,
              "the modes leave %.3g%% of the influence matrix, and %.3g%% with outputs %d and %d "
-             "of the shapes swapped%s: factor",
+             "of the shapes swapped%s: gain over what is left of two outputs",
              100 * compared.rest, 100 * compared.swapped_rest, row[compared.swapped[0]] + 1,
              row[compared.swapped[1]] + 1, compared.swaps > 1 ? " and others" : "");
     matrix_modes_free(&compared);

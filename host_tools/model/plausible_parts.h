@@ -59,6 +59,12 @@ enum { WHAT = 300 };
 #define MATRIX_WEAK 1e-2
 
 /*
+ * A column of a measured influence matrix counts as reversed against the measured modes if the
+ * cosine of the angle between it and their static response is below this.
+ */
+#define MATRIX_REVERSED (-0.5)
+
+/*
  * A number that a plausibility rule has measured, the position in the scene file to which it
  * belongs, and its description.
  */
@@ -82,7 +88,7 @@ typedef int measure(const subject *of, int k, measured *found);
  */
 measure measure_modulus, measure_density, measure_light_material, measure_piezo, measure_thickness;
 measure measure_wave_speed, measure_dense_wave_speed, measure_ply_wave_speed;
-measure measure_piezo_coupling, measure_soft_piezo, measure_uneven_piezo;
+measure measure_piezo_coupling, measure_soft_piezo, measure_uneven_piezo, measure_missing_32;
 measure measure_permittivity, measure_pyroelectric, measure_expansion;
 
 /*
@@ -138,7 +144,7 @@ measure measure_sharp_edge, measure_slit, measure_place;
 measure measure_matrix_entry, measure_matrix_shape, measure_dead_column, measure_weak_column,
     measure_repeated_column;
 measure measure_strong_column, measure_modes_share, measure_mode_share, measure_shuffled_modes,
-    measure_swapped_outputs;
+    measure_swapped_outputs, measure_reversed_column;
 
 /*
  * Functions that find the largest field, displacement and strain and other numbers of computed

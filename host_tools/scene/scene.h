@@ -208,6 +208,8 @@ typedef struct scene_material {
     double piezo_e[5]; /* piezoelectric constants e31, e32, e33, e24, e15 (C/m2): stress per
                           electric field; valid if has_e is true */
     bool has_d, has_e;
+    bool lacks_32;              /* true where the scene gives d31 but not d32, or e31 but not e32:
+                                   the missing one is 0 */
     double permittivity;        /* permittivity along the poling at constant strain (F/m); 0 if not
                                    given */
     double permittivity_across; /* permittivity across the poling direction at constant strain (F/m)

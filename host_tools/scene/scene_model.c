@@ -346,6 +346,9 @@ static int check_material(reader *reader, int node, material_text *text)
         return -1;
     text->material.has_d = strain_constant != NULL || text->film.thickness > 0;
     text->material.has_e = stress_constant != NULL;
+    text->material.lacks_32 =
+        (tree_find(reader->t, node, "d31") && !tree_find(reader->t, node, "d32")) ||
+        (tree_find(reader->t, node, "e31") && !tree_find(reader->t, node, "e32"));
     if (stiffness)
         return elastic_stiffness(reader, node, text);
     if (orthotropic || text->film.force > 0)
@@ -452,8 +455,10 @@ static const field material_fields[] = {
            "Poisson's ratio -e3/e2 under a stress along 2; default nu12."),
     NUMBER("d31", material.d31, NULL, OF_STRAIN_CONSTANT,
            "Piezoelectric strain constant: strain per field along the poling; default 0."),
-    NUMBER("d32", material.d32, NULL, OF_STRAIN_CONSTANT,
-           "Piezoelectric strain constant: strain per field along the poling; default 0."),
+    NUMBER(
+        "d32", material.d32, NULL, OF_STRAIN_CONSTANT,
+        "Piezoelectric strain constant: strain per field along the poling; default 0, never d31: "
+        "a ceramic poled through its thickness has d32 equal to d31."),
     NUMBER("d33", material.d33, NULL, OF_STRAIN_CONSTANT,
            "Piezoelectric strain constant: strain per field along the poling; default 0."),
     NUMBER("d24", material.d24, NULL, OF_STRAIN_CONSTANT,

@@ -59,6 +59,10 @@ static const edge_case edges[] = {
      "materials.ceramic.d31=0.99e-5", 1.01e-8},
     {"piezo_constant", METRES, "materials.ceramic={E: 1e9, nu: 0, e31: 10.1, permittivity: 1e-8}",
      "materials.ceramic={E: 1e9, nu: 0, e31: 9.9, permittivity: 1e-8}", 1.01e-8},
+    {"missing_d32", METRES, "materials.ceramic={E: 6e10, nu: 0.3, d31: 1e-10, permittivity: 1e-8}",
+     "materials.ceramic={E: 6e10, nu: 0.3, d31: 1e-10, d32: 0, permittivity: 1e-8}", 1},
+    {"missing_d32", METRES, "materials.ceramic={E: 6e10, nu: 0.3, e31: 10, permittivity: 1e-8}",
+     "materials.ceramic={E: 6e10, nu: 0.3, e31: 10, e32: 10, permittivity: 1e-8}", 1},
     {"permittivity", METRES, "materials.ceramic.permittivity=1.01e-6",
      "materials.ceramic.permittivity=0.99e-6", 1.01e-6},
     {"permittivity", METRES, "materials.ceramic.permittivity=8.7e-12",
@@ -334,6 +338,7 @@ static void test_unitless(void **state)
             plausible warnings;
             warnings_of(PLATE, with(unknown[k], edges[i].fires), &warnings);
             const int ratios = (find_rule(&warnings, "uneven_piezo") != NULL) +
+                               (find_rule(&warnings, "missing_d32") != NULL) +
                                (find_rule(&warnings, "damping") != NULL) +
                                (find_rule(&warnings, "held_voltage") != NULL) +
                                (find_rule(&warnings, "no_voltage_limits") != NULL);
