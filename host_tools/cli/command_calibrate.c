@@ -11,6 +11,7 @@
 #include "../data/number_table.h"
 #include "../model/calibrate_model.h"
 #include "../model/poke_drift.h"
+#include "../model/poke_outliers.h"
 #include "../system/progress.h"
 #include "command_modes.h"
 #include "command_sweep.h"
@@ -36,6 +37,7 @@ typedef struct run {
     double *acting; /* [pokes][actuators] voltages that reach the electrodes in each poke (shape
                        measured under known voltages), with the found wiring faults taken into
                        account (V) */
+    poke_outliers outliers;
     poke_drift drift;
     double *shape; /* [pokes][outputs] shapes measured under known voltages, one row for each
                       measurement, without the drift that was found */
@@ -237,6 +239,15 @@ static int remove_drift(run *run, char *error)
     return 0;
 }
 
+/* Find single readings that contradict all others. Returns 0, or -1 with error filled. */
+static int find_outliers(run *run, char *error)
+{
+    if (poke_outliers_find(&run->outliers, &run->pokes) == 0)
+        return 0;
+    snprintf(error, SCENE_ERROR, "out of memory");
+    return -1;
+}
+
 /* ---- output ----------------------------------------------------------- */
 
 static double largest_entry(const run *run)
@@ -351,6 +362,35 @@ static void print_unrelated(const run *run)
              "line must be that under the voltages of the same line, in the same order");
 }
 
+/* Say where an outlier stands in the file of shapes, and how far it is off. */
+static void outlier_text(const run *run, const poke_outlier *outlier, char *text, size_t room)
+{
+    char place[NUMBER_NAME];
+    number_table_place(&run->shapes, outlier->poke, outlier->output, place);
+    if (outlier->is_size)
+        snprintf(text, room, "%s of the shapes is %.3g times as large as every other there", place,
+                 outlier->times);
+    else
+        snprintf(text, room,
+                 "%s of the shapes is %.3g times farther from the fit than the others scatter",
+                 place, outlier->times);
+}
+
+static void print_outliers(const run *run)
+{
+    char text[NUMBER_NAME + 120];
+    const poke_outliers *outliers = &run->outliers;
+    for (size_t k = 0; k < outliers->count && k < POKE_OUTLIERS; k++) {
+        outlier_text(run, &outliers->outlier[k], text, sizeof text);
+        printf(
+            "warning: %s, and spoils the matrix; mend it, or leave this poke out of both files\n",
+            text);
+    }
+    if (outliers->count > POKE_OUTLIERS)
+        printf("warning: %lu more readings are as far off\n",
+               (unsigned long)(outliers->count - POKE_OUTLIERS));
+}
+
 /* Print how a scene file can use the file to which the influence matrix was written. */
 static void print_use(const run *run, const char *path)
 {
@@ -408,12 +448,13 @@ static void print_result(const run *run, const char *path)
            length_unit(run));
     print_scale(run);
     print_unrelated(run);
+    print_outliers(run);
     print_use(run, path);
 }
 
 static void print_json(const run *run)
 {
-    char text[2 * SCENE_LABEL + 60];
+    char text[2 * SCENE_LABEL + NUMBER_NAME + 120];
     json json = {.file = stdout};
     json_open(&json, NULL, '{');
     json_number(&json, "pokes", (double)run->pokes.count);
@@ -443,6 +484,12 @@ static void print_json(const run *run)
         actuator_name(run, k, text);
         if (calibration_is_idle(&run->pokes, k))
             json_string(&json, NULL, text);
+    }
+    json_close(&json, ']');
+    json_open(&json, "outliers", '[');
+    for (size_t k = 0; k < run->outliers.count && k < POKE_OUTLIERS; k++) {
+        outlier_text(run, &run->outliers.outlier[k], text, sizeof text);
+        json_string(&json, NULL, text);
     }
     json_close(&json, ']');
     json_open(&json, "faults", '[');
@@ -513,7 +560,7 @@ static int calibrate_matrix(run *run, const options *options)
     int status = 0;
     progress_start();
     progress_stage("fitting the matrix");
-    if (remove_drift(run, error) < 0 || fit(run, error) < 0)
+    if (find_outliers(run, error) < 0 || remove_drift(run, error) < 0 || fit(run, error) < 0)
         status = complain(error, "");
     progress_stop();
     if (status == 0 && options->standard_errors && !isfinite(largest_error(run)))

@@ -238,6 +238,11 @@ run 0 calibrate "$dir/measured.yaml" --voltages "$dir/voltages.csv" --shapes "$d
     ! grep -q '^warning' "$dir/out"; check 'calibrate says that its matrix needs no scale' $?
 tac "$dir/shapes.csv" | grep -v '^[#a-z]' >"$dir/turned.csv" && run 0 calibrate --voltages "$dir/voltages.csv" --shapes "$dir/turned.csv" && grep -q '^warning: the shapes do not follow' "$dir/out" &&
     run 0 calibrate --voltages "$dir/voltages.csv" --shapes "$dir/shapes.csv" && ! grep -q '^warning' "$dir/out"; check 'calibrate warns of shapes in another order than the voltages' $?
+awk -F, -v OFS=, 'NR == 4 { $5 *= 1000 } 1' "$dir/shapes.csv" >"$dir/outlier.csv"
+run 0 calibrate --voltages "$dir/voltages.csv" --shapes "$dir/outlier.csv" && grep -q '^warning: line 4, column 5 of the shapes is .* times .*leave this poke out of both files' "$dir/out" &&
+    run 0 calibrate --voltages "$dir/voltages.csv" --shapes "$dir/outlier.csv" --json && json "len(j['outliers']) == 1" &&
+    run 0 calibrate --voltages "$dir/voltages.csv" --shapes "$dir/shapes.csv" --json && json "j['outliers'] == []"
+check 'calibrate names a reading 1000 times too large' $?
 printf '10 0 0\n0 10 0\n10 10 0\n5 -10 0\n' >"$dir/v0.csv"
 printf '1 2\n2 1\n3 3\n-1.5 0\n' >"$dir/x0.csv"
 run 2 calibrate --voltages "$dir/v0.csv" --shapes "$dir/x0.csv" && says 'the voltage of v3 is 0 in all 4 pokes'

@@ -13,6 +13,7 @@
 #include <cmocka.h>
 #include "../../host_tools/model/calibrate_model.h"
 #include "../../host_tools/model/poke_drift.h"
+#include "../../host_tools/model/poke_outliers.h"
 #include "../rigs/scene_assert.h"
 
 /* ---- pokes ------------------------------------------------------------ */
@@ -346,6 +347,67 @@ static void test_drift(void **state)
         }
 }
 
+/*
+ * Law: of 64 pokes of 16 actuators one reading that is off by 15 times the noise is named by
+ * its shape and its output; noise, drift, memory and an output with ten times the noise are not.
+ */
+static void test_outliers(void **state)
+{
+    (void)state;
+    for (int seed = 0; seed < 40; seed++) {
+        experiment e;
+        poke_outliers found;
+        const size_t poke = (size_t)(seed * 7) % 64, output = (size_t)(seed * 5) % OUTPUTS;
+        open_experiment(&e, 64, ACTUATORS, OUTPUTS, seed % 2 ? HADAMARD : RANDOM_SIGNS);
+        random_truth(&e);
+        const double sigma = measure(&e, 1e-3);
+        disturb(&e, seed % 4 == 0 ? 0.03 : 0, 3 * sigma, -2 * sigma);
+        for (size_t i = 0; i < 64; i++)
+            e.shape[i * OUTPUTS + (output + 1) % OUTPUTS] += 10 * sigma * draw_normal();
+        assert_int_equal(poke_outliers_find(&found, &e.pokes), 0);
+        assert_int_equal(found.count, 0);
+        e.shape[poke * OUTPUTS + output] += (seed % 4 == 0 ? 1000 : 15) * sigma;
+        assert_int_equal(poke_outliers_find(&found, &e.pokes), 0);
+        assert_int_equal(found.count, 1);
+        assert_int_equal(found.outlier[0].poke, poke);
+        assert_int_equal(found.outlier[0].output, output);
+        close_experiment(&e);
+    }
+}
+
+/*
+ * Law: of as many pokes as actuators, where no residual is left, a reading 1000 times too large is
+ * named; where every actuator moves its own output alone, none is.
+ */
+static void test_large_readings(void **state)
+{
+    static const excitation types[] = {ONE_BY_ONE, HADAMARD};
+    (void)state;
+    for (int k = 0; k < 2; k++) {
+        experiment e;
+        poke_outliers found;
+        open_experiment(&e, ACTUATORS, ACTUATORS, OUTPUTS, types[k]);
+        random_truth(&e);
+        measure(&e, 1e-3);
+        assert_int_equal(poke_outliers_find(&found, &e.pokes), 0);
+        assert_int_equal(found.count, 0);
+        double *reading = e.shape + 3 * OUTPUTS + 5;
+        *reading = 1000 * fmax(fabs(*reading), 1e-6);
+        assert_int_equal(poke_outliers_find(&found, &e.pokes), 0);
+        assert_int_equal(found.count, 1);
+        assert_true(found.outlier[0].is_size);
+        assert_int_equal(found.outlier[0].poke, 3);
+        assert_int_equal(found.outlier[0].output, 5);
+        memset(e.truth, 0, OUTPUTS * ACTUATORS * sizeof *e.truth);
+        for (size_t i = 0; i < ACTUATORS; i++)
+            e.truth[i * ACTUATORS + i] = 1e-6;
+        measure(&e, 1e-6);
+        assert_int_equal(poke_outliers_find(&found, &e.pokes), 0);
+        assert_int_equal(found.count, 0);
+        close_experiment(&e);
+    }
+}
+
 /* Law: of as many pokes as actuators nothing is known of drift, and the shapes are kept. */
 static void test_no_drift_known(void **state)
 {
@@ -570,6 +632,8 @@ int main(void)
         cmocka_unit_test(test_few_pokes),
         cmocka_unit_test(test_faults),
         cmocka_unit_test(test_drift),
+        cmocka_unit_test(test_outliers),
+        cmocka_unit_test(test_large_readings),
         cmocka_unit_test(test_no_drift_known),
         cmocka_unit_test(test_crosstalk),
     };
