@@ -137,6 +137,20 @@ static double target_amplitude(const design *design)
     return most / design->mesh.laminate.thickness;
 }
 
+/*
+ * Largest displacement of the target over the range of the sensors at its nodes; 0 where the scene
+ * gives no range, or other sensors.
+ */
+static double target_over_range(const design *design)
+{
+    double most = 0;
+    if (!(design->simulate.range > 0) || design->estimate.given)
+        return 0;
+    for (int i = 0; i < design->targets; i++)
+        most = fmax(most, fabs(design->target[i]));
+    return most / design->simulate.range;
+}
+
 int warn_of_target(analysis *analysis, char *error)
 {
     const common_limits own = {.source = LIMITS_SCENE};
@@ -148,6 +162,7 @@ int warn_of_target(analysis *analysis, char *error)
     const plausible_optimum optimum = {
         .target = design_target_rms(&analysis->design) > 0 ? 1 : (double)NAN,
         .error = best.error,
+        .reading = target_over_range(&analysis->design),
         .share = (double)NAN};
     if (!failed)
         plausible_target(&analysis->warnings, analysis->design.scene, &optimum);

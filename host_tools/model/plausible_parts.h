@@ -152,7 +152,7 @@ measure measure_strong_column, measure_modes_share, measure_mode_share, measure_
  */
 measure measure_found_field, measure_displacement, measure_strain;
 measure measure_path, measure_path_end, measure_stability;
-measure measure_target, measure_unreached, measure_idle, measure_dependent;
+measure measure_target, measure_unreached, measure_range, measure_idle, measure_dependent;
 
 /*
  * Functions that measure, for a stable control loop, by how many ticks the sensor readings may be

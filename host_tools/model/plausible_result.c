@@ -113,6 +113,16 @@ int measure_unreached(const subject *of, int k, measured *found)
     return k == 0;
 }
 
+int measure_range(const subject *of, int k, measured *found)
+{
+    found->at = of->scene->simulate.at;
+    found->value = of->optimum->reading;
+    snprintf(found->what, WHAT,
+             "largest displacement of the target over simulate.sensors.range, %g",
+             of->scene->simulate.range);
+    return k == 0;
+}
+
 int measure_idle(const subject *of, int k, measured *found)
 {
     found->at = of->scene->target.what.at;

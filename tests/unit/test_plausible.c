@@ -290,12 +290,13 @@ static void test_target(void **state)
         const char *rule;
         plausible_optimum fires, silent;
     } cases[] = {
-        {"zero_target", {0, 0, 0, 0}, {1.01e-9, 0.5, 1, 0}},
-        {"zero_target", {0.99e-9, 0.5, 1, 0}, {1, 0.5, 1, 0}},
-        {"unreached_target", {1, 0.901, 1, 0}, {1, 0.899, 1, 0}},
-        {"dependent_voltages", {1, 0.5, 1, 1}, {1, 0.5, 1, 0}},
-        {"idle_voltages", {1, 0.5, 0.99e-4, 0}, {1, 0.5, 1.01e-4, 0}},
-        {"idle_voltages", {1, 0.5, 0, 0}, {1, 0.5, (double)NAN, 0}},
+        {"zero_target", {0, 0, 0, 0, 0}, {1.01e-9, 0.5, 1, 0, 0}},
+        {"zero_target", {0.99e-9, 0.5, 1, 0, 0}, {1, 0.5, 1, 0, 0}},
+        {"unreached_target", {1, 0.901, 1, 0, 0}, {1, 0.899, 1, 0, 0}},
+        {"dependent_voltages", {1, 0.5, 1, 1, 0}, {1, 0.5, 1, 0, 0}},
+        {"idle_voltages", {1, 0.5, 0.99e-4, 0, 0}, {1, 0.5, 1.01e-4, 0, 0}},
+        {"idle_voltages", {1, 0.5, 0, 0, 0}, {1, 0.5, (double)NAN, 0, 0}},
+        {"sensor_range", {1, 0.5, 1, 0, 1.01}, {1, 0.5, 1, 0, 0.99}},
     };
     scene_run r;
     open_run(&r, PLATE, "");
