@@ -63,9 +63,9 @@ $(eval $(call fw_tables,wing_linear,wing-panel --quasi-static --image linear --c
 $(eval $(call fw_tables,wing_nonlinear,wing-panel --quasi-static --set kinematics=nonlinear --image nonlinear --compact))
 # Meshes of Gmsh from the tests: an off-axis dish with 19 actuators, a box beam with sharp edges, a wing skin with a
 # cut-out and eight patches.
-$(eval $(call fw_tables,dish_control,tests/rigs/scenes/dish.yaml --image control))
+$(eval $(call fw_tables,dish_control,tests/rigs/scenes/dish.yaml --quasi-static --image control))
 $(eval $(call fw_tables,box_beam_linear,tests/rigs/scenes/box-beam-patches.yaml --image linear --compact))
-$(eval $(call fw_tables,wing_skin_linear,tests/rigs/scenes/wing-skin.yaml --image linear --compact))
+$(eval $(call fw_tables,wing_skin_linear,tests/rigs/scenes/wing-skin.yaml --quasi-static --image linear --compact))
 $(T)/dish_control.h: $(wildcard tests/rigs/scenes/dish.*)
 $(T)/box_beam_linear.h: $(wildcard tests/rigs/scenes/box-beam*)
 $(T)/wing_skin_linear.h: $(wildcard tests/rigs/scenes/wing-skin.*)

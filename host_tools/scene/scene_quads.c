@@ -388,6 +388,47 @@ static int find_sets(reader *reader, int node, const quad_set **found)
     return count;
 }
 
+/* Append the element sets that a pattern stands for to a list for an error message. */
+static size_t list_fitting(const quad_mesh *mesh, const char *pattern, char *list)
+{
+    size_t count = 0;
+    for (size_t i = 0; i < mesh->element_sets; i++)
+        if (fits(pattern, mesh->element_set[i].name)) {
+            list_names(&mesh->element_set[i], 1, list);
+            count++;
+        }
+    return count;
+}
+
+/*
+ * Check that every name and pattern of a YAML list stands for an element set. If some do and others
+ * do not, the message names both. Returns 0, or -1 after writing an error message about the scene
+ * file.
+ */
+static int check_patterns(reader *reader, int node)
+{
+    const quad_mesh *mesh = &reader->s->quads->mesh;
+    char fitting[LIST] = "", missing[LIST] = "";
+    int first = 0;
+    for (int i = reader->t->node[node].first; i; i = reader->t->node[i].next) {
+        const size_t length = strlen(missing);
+        if (require_kind(reader, i, TREE_SCALAR) != 0)
+            return -1;
+        if (list_fitting(mesh, node_text(reader, i), fitting) > 0)
+            continue;
+        snprintf(missing + length, LIST - length, "%s'%.40s'", first ? ", " : "",
+                 node_text(reader, i));
+        first = first ? first : i;
+    }
+    if (!first)
+        return 0;
+    if (!*fitting)
+        return refuse_set(reader, first, node_text(reader, first), true);
+    return tree_fault(reader->t, first,
+                      "no element set of the mesh fits %s; the other names stand for %s", missing,
+                      fitting);
+}
+
 /*
  * Check that an element set has elements, because a patch without elements has no effect. Returns
  * 0, or -1 after writing an error message about the scene file.
@@ -424,7 +465,8 @@ static int read_sets(reader *reader, int node, set_action *action, void *to)
 {
     const quad_mesh *mesh = &reader->s->quads->mesh;
     const quad_set **found = calloc(mesh->element_sets + 1, sizeof *found);
-    int status = found ? 0 : tree_fault(reader->t, node, "out of memory");
+    int status =
+        found ? check_patterns(reader, node) : tree_fault(reader->t, node, "out of memory");
     for (int i = reader->t->node[node].first; i && status == 0; i = reader->t->node[i].next) {
         const int count = find_sets(reader, i, found);
         status = count < 0 ? -1 : 0;

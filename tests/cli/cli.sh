@@ -78,7 +78,7 @@ check 'a rate that the processor cannot hold is refused, with the instructions o
 # shellcheck disable=SC2086
 run 3 tables plate-50-patches $coarse --set 'control={rate: 1000, clock: 16 MHz}' -o "$dir/slow.h" && says 'more than the' && [ ! -e "$dir/slow.h" ]
 check 'no tables for a rate that the processor cannot hold' $?
-run 0 check plate-closed-loop --set control.rate=4 --set dynamics='{damping: 0.2}' --set simulate.sensors.range=0.1mm --json && json "[w['value'] for w in j['warnings'] if w['rule'] == 'sensor_range'] == [20]" &&
+run 0 check plate-closed-loop --set control.rate=4 --set dynamics='{damping: 0.2}' --set simulate.sensors.range=0.1mm --json && json "[round(w['value'], 9) for w in j['warnings'] if w['rule'] == 'sensor_range'] == [20]" &&
     run 0 check plate-closed-loop --set control.rate=4 --set dynamics='{damping: 0.2}' --set simulate.sensors.range=2.1mm --json && json "'sensor_range' not in [w['rule'] for w in j['warnings']]"
 check 'a range of the sensors below the target is warned of' $?
 run 2 solve plate-50-patches --report && says 'a value is missing'; check 'an option without its value' $?

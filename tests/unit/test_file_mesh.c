@@ -503,6 +503,8 @@ static const struct {
      "the disc has no set 'rin'; it has ring1, ring2, rim, centre"},
     {"mesh: {disc: {radius: 1, elements: 4}}\npatches: [{name: p, layer: upper, sets: [rung1]}]\n",
      "the disc has no element set 'rung1'; it has ring1"},
+    {"mesh: {file: grid.msh}\npatches: [{name: p, layer: upper, sets: [pzt_*, first, low1]}]\n",
+     "no element set of the mesh fits 'pzt_*', 'low1'; the other names stand for first"},
     {"mesh: {file: grid.msh}\npatches: [{name: p, layer: upper, sets: [low1]}]\n",
      "set 'low1' of the mesh file holds edges or nodes, and a patch needs elements (in Gmsh a "
      "physical surface); it has the element sets all, first, second"},
