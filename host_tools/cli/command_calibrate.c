@@ -56,8 +56,11 @@ static int complain(const char *text, const char *detail)
 
 /* ---- files ------------------------------------------------------------ */
 
-static int read_table(number_table *table, const char *path)
+static int read_table(number_table *table, const char *path, bool is_record)
 {
+    const char *cure = is_record ? "; a record needs every sample: cut it before or behind this "
+                                   "line in both files, or interpolate"
+                                 : "; leave this poke out of both files";
     char error[NUMBER_ERROR], place[NUMBER_NAME];
     if (number_table_read(table, path, error) < 0 || number_table_check(table, path, error) < 0)
         return complain(error, "");
@@ -65,7 +68,7 @@ static int read_table(number_table *table, const char *path)
         if (!isfinite(table->value[i])) {
             number_table_place(table, i / table->columns, i % table->columns, place);
             snprintf(error, sizeof error, "%.60s: %s is %g", path, place, table->value[i]);
-            return complain(error, "; leave this poke out of both files");
+            return complain(error, cure);
         }
     return 0;
 }
@@ -73,11 +76,12 @@ static int read_table(number_table *table, const char *path)
 static int read_pokes(run *run, const options *options)
 {
     char text[160];
+    const bool is_record = options->sample_rate > 0 || options->vibration_rate > 0;
     if (!options->voltages || !options->shapes)
         return complain("calibrate needs --voltages FILE and --shapes FILE; see ",
                         "pzs help calibrate");
-    if (read_table(&run->voltages, options->voltages) != 0 ||
-        read_table(&run->shapes, options->shapes) != 0)
+    if (read_table(&run->voltages, options->voltages, is_record) != 0 ||
+        read_table(&run->shapes, options->shapes, is_record) != 0)
         return OPTIONS_WRONG;
     if (run->voltages.rows != run->shapes.rows) {
         snprintf(text, sizeof text,

@@ -436,7 +436,9 @@ static bool can_assess(certificate *certificate, const design *design)
     const bool can = delay <= DELAY_LIMIT && held < design->amplifiers && certificate->modes > 0;
     if (delay > DELAY_LIMIT)
         snprintf(certificate->reason, sizeof certificate->reason,
-                 "delay of %d ticks: at most %d can be assessed", delay, DELAY_LIMIT);
+                 "delay of %d ticks: at most %d can be assessed; lower control.rate, so that it is "
+                 "fewer ticks",
+                 delay, DELAY_LIMIT);
     else if (held == design->amplifiers)
         snprintf(certificate->reason, sizeof certificate->reason,
                  "every amplifier is held at one voltage, so that the loop moves nothing");

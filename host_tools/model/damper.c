@@ -423,7 +423,8 @@ static bool is_possible(damper *damper, const analysis *analysis, const estimato
         snprintf(damper->reason, sizeof damper->reason,
                  "a reading of the estimate is electric, which the damper does not observe");
     else if (design->simulate.delay > PZS_DELAY_LIMIT)
-        snprintf(damper->reason, sizeof damper->reason, "delay of %d ticks: at most %d",
+        snprintf(damper->reason, sizeof damper->reason,
+                 "delay of %d ticks: at most %d; lower control.rate, so that it is fewer ticks",
                  design->simulate.delay, PZS_DELAY_LIMIT);
     return !damper->reason[0];
 }

@@ -287,8 +287,9 @@ static int check_park(const design *design, size_t k, char *error)
     const bool is_exempt = safety->park_is_common && lower >= upper;
     if (isnan(park) || is_exempt || (park >= lower && park <= upper))
         return 0;
-    return scene_fault(safety->at, error, "park: %g V is outside the limits of %s, %g to %g; %s",
-                       park, design->amplifier_name[k], lower, upper,
+    return scene_fault(safety->at, error,
+                       "park: %.9g V is outside the limits of %s, %.9g to %.9g; %s", park,
+                       design->amplifier_name[k], lower, upper,
                        safety->park_is_common
                            ? "write a voltage inside the limits of all amplifiers, or leave park "
                              "out, with which each parks at the allowed voltage nearest to 0"
@@ -343,7 +344,10 @@ int design_control(design *design, const double *influence, char *error)
     pzs_problem *problem = &design->problem;
     if (!design->scene->target.given)
         return scene_fault(design->scene->limits.at, error,
-                           "no target: add `target: {u3: middle, at: nodes, value: ...}`");
+                           design->measured.given
+                               ? "no target: add `target: {value: ...}`, a formula of the "
+                                 "coordinates, a list or a file with a number for each output"
+                               : "no target: add `target: {u3: middle, at: nodes, value: ...}`");
     if (amplifiers == 0)
         return scene_fault(design->scene->limits.at, error, "no amplifiers: add `actuators`");
     if (!allocate_control(design))

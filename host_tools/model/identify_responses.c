@@ -233,9 +233,12 @@ static void fill_responses(const steps *steps)
     double squares, total = 0;
     const double delay = find_delay(steps), left = sqrt(unexplained(steps, delay, &squares));
     if (!(left <= most_left)) {
-        snprintf(result->reason, sizeof result->reason,
-                 "%.0f%% of the vibration does not begin with the steps of the voltages",
-                 100 * left);
+        snprintf(
+            result->reason, sizeof result->reason,
+            "%.0f%% of the vibration does not begin with the steps of the voltages; write each "
+            "voltage from the line of the sample at which it is applied (it may act up to four "
+            "samples later), and keep other excitation away",
+            100 * left);
         return;
     }
     const double variance =

@@ -54,9 +54,43 @@ static int fit_responses(vibration *vibration, const design *design, char *error
     return 0;
 }
 
+/*
+ * Whether two measured modes are one and the same: equal frequencies, and shapes that differ by a
+ * factor alone.
+ */
+static bool are_same(const scene_influence *measured, size_t one, size_t other)
+{
+    static const double equal = 1e-6;
+    const scene_measured_mode *first = &measured->mode[one], *second = &measured->mode[other];
+    double product = 0, sizes[2] = {0, 0};
+    for (int i = 0; i < measured->outputs; i++) {
+        product += first->shape[i] * second->shape[i];
+        sizes[0] += first->shape[i] * first->shape[i];
+        sizes[1] += second->shape[i] * second->shape[i];
+    }
+    return fabs(first->frequency - second->frequency) < equal * first->frequency &&
+           product * product > (1 - equal * equal) * sizes[0] * sizes[1];
+}
+
+/* Refuse a mode that is given twice. Returns 0, or -1 with error filled. */
+static int check_repeated(const scene_influence *measured, char *error)
+{
+    for (size_t k = 1; k < (size_t)measured->modes; k++)
+        for (size_t j = 0; j < k; j++)
+            if (are_same(measured, j, k))
+                return scene_fault(measured->at, error,
+                                   "modes %zu and %zu have the same frequency and the same shape, "
+                                   "but for a factor; remove one of them, or give the other shape "
+                                   "of the pair",
+                                   j + 1, k + 1);
+    return 0;
+}
+
 int vibration_check_measured(const scene_influence *measured, char *error)
 {
     const size_t outputs = (size_t)measured->outputs, modes = (size_t)measured->modes;
+    if (check_repeated(measured, error) < 0)
+        return -1;
     if (modes == 0 || measured->mode[0].response)
         return 0;
     double *basis = calloc(modes * (outputs + modes) + 1, sizeof *basis);

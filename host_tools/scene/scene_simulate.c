@@ -219,7 +219,8 @@ static int read_sight(reader *reader, int node, void *to, const void *rule)
                       "noise: 1e-6}]}");
 }
 
-static const range late = {0, 16, 0, "must be from 0 to 16 ticks"};
+static const range late = {
+    0, 16, 0, "must be from 0 to 16 ticks; lower control.rate where readings are older"};
 
 static const field outlier_fields[] = {
     {"chance", read_real, offsetof(scene_imperfections, outlier_chance), &share, 1, .of = OF_NUMBER,
@@ -819,7 +820,10 @@ int read_simulate(reader *reader, int node, void *to, const void *rule)
     if (!scene->target.given)
         return tree_fault(
             reader->t, node,
-            "a simulation needs a target; add target: {u3: middle, at: nodes, value: ...}");
+            scene->influence.given
+                ? "a simulation needs a target; add target: {value: ...}, a formula of the "
+                  "coordinates, a list or a file with a number for each output"
+                : "a simulation needs a target; add target: {u3: middle, at: nodes, value: ...}");
     if (read_map(reader, node, simulate_fields, &scene->simulate) != 0)
         return -1;
     scene->simulate.given = true;

@@ -153,6 +153,17 @@ cp "$dir/measured-matrix.csv" "$dir/twin.csv"
 run 2 check "$dir/measured.yaml" --set 'simulate.plant={curve_error: 0.1}' && says 'add influence.curve' &&
     run 2 calibrate "$dir/measured.yaml" --set "$curve" --set "$unipolar" --voltages "$dir/measured-matrix.csv" --shapes "$dir/twin.csv" && says 'influence.curve'
 check 'an error of a curve needs a curve, and calibrate has none' $?
+same=$(printf '{frequency: %s, shape: [1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11, 12, 13, 14, 15, 16, 17, 18, 19], response: [1e-6, 0, 0, 0, 0, 0, 0]}, ' 100 '100.0 Hz')
+run 2 check "$dir/measured.yaml" --set "influence.modes=[${same%, }]" && says 'modes 1 and 2 have the same frequency and the same shape, but for a factor; remove one of them'
+check 'a measured mode given twice is refused with the cure' $?
+sed '/^target:/d; /^simulate:/,$d' "$dir/measured.yaml" >"$dir/aimless.yaml"
+run 2 shape "$dir/aimless.yaml" && says 'no target: add `target: {value: ...}`, a formula of the coordinates, a list or a file with a number for each output' &&
+    run 2 simulate "$dir/aimless.yaml" --set 'simulate={ticks: 3}' && says 'add target: {value: ...}, a formula of the coordinates'
+check 'a measured matrix without a target: the message says what such a target is' $?
+run 2 check "$dir/measured.yaml" --set 'safety={park: -60.00001}' && says 'park: -60.00001 V is outside the limits of centre, -60 to 60; write'
+check 'a park voltage just beyond its limit is told with all its digits' $?
+run 2 check plate-closed-loop --set simulate.sensors.delay=17 && says 'must be from 0 to 16 ticks; lower control.rate where readings are older'
+check 'too old readings are refused with the cure' $?
 gate='control={rate: 50, sensor_gate: true}'
 run 0 check plate-50-patches --set "$gate" --json && json "j['sensor_gate']['judged']==121 and j['sensor_gate']['most']==4 and j['sensor_gate']['moved']<.03" &&
     run 0 check plate-few-sensors --set control.sensor_gate=true && grep -qF 'No sensor is judged by the others' "$dir/out" &&
@@ -749,6 +760,9 @@ awk '{ print 0 }' "$dir/steps.csv" >"$dir/never.csv"
 run 0 calibrate --vibration 1000 --voltages "$dir/never.csv" --shapes "$dir/ringing.csv" && grep -q 'vibration_left: the modes leave' "$dir/err" &&
     run 0 calibrate --vibration 1000 --voltages "$dir/steps.csv" --shapes "$dir/ringing.csv" && ! grep -q . "$dir/err"
 check 'calibrate --vibration: voltages that were never applied are warned of' $?
+awk 'NR == 500 { $3 = "nan" } 1' "$dir/ringing.csv" >"$dir/gap.csv"
+run 2 calibrate --vibration 1000 --voltages "$dir/steps.csv" --shapes "$dir/gap.csv" && says 'line 500, column 3 is nan; a record needs every sample: cut it before or behind this line in both files, or interpolate'
+check 'calibrate --vibration: a missing sample is refused with the cure' $?
 run 2 calibrate --vibration -1 --voltages "$dir/steps.csv" --shapes "$dir/ringing.csv" && says '--vibration is the samples a second of the record, not'
 check 'calibrate --vibration: a rate below 0 is refused' $?
 for rate in 1e-9 1e12; do
