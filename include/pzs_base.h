@@ -96,8 +96,12 @@ typedef enum pzs_status {
                          overlap; the voltage limits take precedence. */
     PZS_W_SENSOR, /* Warning: the measurement with index info.where is missing or stuck; the last
                      difference between measurement and model is used instead. */
-    PZS_W_HELD,   /* Warning: no measurement is usable, or the target is not finite, so the voltages
-                     of the last tick are kept. */
+    /*
+     * Warning: no measurement is usable, or the target is not finite. The voltages of the last tick
+     * are kept; but where an estimator or a vibration damper predicts the shape, and only the
+     * measurements are missing, the voltages follow the target by this prediction.
+     */
+    PZS_W_HELD,
     PZS_W_ELECTRODE, /* Warning: electrode info.where does not follow its amplifier; the fault
                         detector keeps its voltage constant from now on. */
     /*

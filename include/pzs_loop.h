@@ -770,11 +770,12 @@ typedef struct pzs_supervision {
     uint16_t ramp_ticks; /* shortest duration of a ramp of the voltages when the loop does not
                             control them (ticks), at least 1; step limits may make a ramp longer */
     /*
-     * alarm threshold of the counter of implausible shapes: a tick with an implausible measured
-     * shape raises this counter by one, any other tick lowers it by two; above this value the
-     * supervisor gives an alarm. With a vibration damper the value is a period of the first
-     * vibration mode (ticks); a vibration that is implausible for two periods without falling also
-     * gives an alarm
+     * without a vibration damper: alarm threshold of the counter of implausible shapes. A tick with
+     * an implausible measured shape raises this counter by one, any other tick lowers it by two;
+     * above this value the supervisor gives an alarm. With a vibration damper: a period of the
+     * first vibration mode (ticks); no shape is counted then, and a vibration that is implausible
+     * for two such periods without falling gives the alarm. `pzs tables` writes 20, and with
+     * observed modes the period or, where it tolerates vibration for longer, more; at least 20
      */
     uint16_t alarm_ticks;
     /*

@@ -15,7 +15,7 @@ const char *pzs_status_text(pzs_status status)
     case PZS_W_STEP_LIMIT:
         return "step limit and voltage limits do not overlap: the voltage limit takes precedence";
     case PZS_W_SENSOR: return "a measurement is missing or stuck: its last disturbance is kept";
-    case PZS_W_HELD: return "no usable measurement or target: voltages held";
+    case PZS_W_HELD: return "no usable measurement or target: voltages kept, or led by the model";
     case PZS_W_ELECTRODE: return "an electrode does not follow its amplifier: it is held";
     case PZS_W_UNSTABLE: return "unstable equilibrium: the tangent has negative pivots";
     case PZS_W_BEHIND:
