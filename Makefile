@@ -246,7 +246,7 @@ $(call for_variants,path_ends,64 san64,@tests/rigs/scene_run.o @host.a)
 $(call for_variants,path_precision,64 32,@bridge64.o)
 
 # The demonstration's plate with few sensors and a load, as tables for the tests of the loop.
-GATE_PLATE := plate-50-patches --set 'loads=[{face: outer, pressure: 20}]' --set 'limits.voltage=[-300, 300]' \
+GATE_PLATE := plate-50-patches --quasi-static --set 'loads=[{face: outer, pressure: 20}]' --set 'limits.voltage=[-300, 300]' \
     --set limits.step_limit=20 --set 'outputs=[{name: tip, u3: middle, edge: theta1+}]' \
     --set 'estimate={readings: [{output: tip, noise: 1e-7}]}' --image control --prefix plate
 $(B)/tables/gate_plate.h: $(B)/pzs
@@ -400,7 +400,7 @@ check-long: setup-test
 # ---- data made by programs of this project -------------------------------
 
 # The one generated header that is committed, for readers: four amplifiers on a mesh of 2 x 2 elements.
-EXAMPLE := plate-50-patches --set mesh.theta1.elements=2 --set mesh.theta2.elements=2 --set patches.0.grid=[2,2] \
+EXAMPLE := plate-50-patches --quasi-static --set mesh.theta1.elements=2 --set mesh.theta2.elements=2 --set patches.0.grid=[2,2] \
     --set patches.1.grid=[2,2] --set compare=[] --prefix example
 example-table: $(B)/pzs
 	$(B)/pzs tables $(EXAMPLE) -o host_tools/tables/example.h >/dev/null

@@ -92,6 +92,10 @@ static void print_result(const identified_modes *found, const pokes *samples,
     for (int mode = 0; mode < found->modes; mode++)
         printf("  %16.6g %12.2g %14.4g %12.2g\n", found->frequency[mode],
                found->frequency_error[mode], found->damping[mode], found->damping_error[mode]);
+    if (found->twins > 0)
+        printf("  %d pair%s of equal frequency, as of a round mirror: any two combinations of the "
+               "shapes are modes, too\n",
+               found->twins, found->twins == 1 ? "" : "s");
     printf("  the modes leave %.3g (standard deviation) of a reading, %.3g%% of the vibration\n",
            found->noise, 100 * found->left);
     print_responses(found, samples, options->vibration_rate);

@@ -51,6 +51,20 @@ static const double two_pi = 6.283185307179586, largest_damping = 0.3;
  */
 static const double significant = 10, largest_error = 0.01;
 
+/*
+ * Largest frequency of a vibration mode, relative to half the samples in a second. Nearer to it the
+ * decaying cosine and sine can hardly be distinguished.
+ */
+static const double most_turn = 0.98;
+
+/*
+ * Two modes whose frequencies differ by less than `near` (relative) are one and the same if one
+ * alone fits the readings as well. A mode is a pair of modes of equal frequency if its readings
+ * have a second shape of at least the amplitude `second_shape`, relative to the first one; less may
+ * be a slight error of the frequency, or damping that turns the phase.
+ */
+static const double near = 0.02, second_shape = 0.05;
+
 typedef struct interval {
     size_t first, count; /* an interval of constant voltages: index of its first sample, and number
                             of its samples */
@@ -719,10 +733,45 @@ static void keep_significant(fit *fit, normal *normal, double *inverse)
                 is_solved ? sqrt(variance * inverse[2 * k * (PARAMETERS + 1)]) : HUGE_VAL;
             has_changed = normal->energy[k] < significant * chance ||
                           !(error < largest_error * fit->frequency[k]) ||
+                          fit->frequency[k] > most_turn * fit->rate * two_pi / 2 ||
                           fit->damping[k] >= largest_damping;
             if (has_changed)
                 remove_mode(fit, k);
         }
+    }
+}
+
+/*
+ * Remove a mode beside another one of almost the same frequency, where the other one alone fits the
+ * readings as well but for noise. Returns whether a mode was removed.
+ *   squares in  sum of the squares that all modes leave
+ *   chance  in  squares that noise alone gives a mode
+ */
+static bool merge_neighbours(fit *fit, double squares, double chance)
+{
+    for (int k = 0; k < fit->modes; k++)
+        for (int other = 0; other < fit->modes; other++) {
+            struct fit alone = *fit;
+            const double apart = fabs(fit->frequency[k] - fit->frequency[other]);
+            if (other == k || !(apart < near * fit->frequency[k]))
+                continue;
+            remove_mode(&alone, k);
+            if (!(refine(&alone, REFINEMENTS) < squares + significant * chance))
+                continue;
+            *fit = alone;
+            return true;
+        }
+    return false;
+}
+
+/* Remove modes until none is hidden by noise, and none is another one a second time. */
+static void keep_distinct(fit *fit, normal *normal, double *inverse)
+{
+    for (bool has_changed = true; has_changed;) {
+        keep_significant(fit, normal, inverse);
+        const double chance =
+            2 * normal->squares / (double)normal->values * (double)(fit->channels * fit->intervals);
+        has_changed = merge_neighbours(fit, normal->squares, chance);
     }
 }
 
@@ -798,6 +847,57 @@ static void find_shape(const double *part, size_t outputs, size_t columns, doubl
 }
 
 /*
+ * Remove a shape from the coefficients of a mode.
+ *   part [outputs][columns] in/out  coefficients of the mode
+ *   shape [outputs]         in      shape of the mode, with root mean square 1
+ */
+static void remove_shape(double *part, size_t outputs, size_t columns, const double *shape)
+{
+    for (size_t k = 0; k < columns; k++) {
+        double along = 0;
+        for (size_t i = 0; i < outputs; i++)
+            along += shape[i] * part[i * columns + k] / (double)outputs;
+        for (size_t i = 0; i < outputs; i++)
+            part[i * columns + k] -= along * shape[i];
+    }
+}
+
+/* Sum of the squares of a mode's coefficients along a shape. */
+static double squares_along(const double *part, size_t outputs, size_t columns, const double *shape)
+{
+    double sum = 0;
+    for (size_t k = 0; k < columns; k++) {
+        double along = 0;
+        for (size_t i = 0; i < outputs; i++)
+            along += shape[i] * part[i * columns + k];
+        sum += along * along / (double)outputs;
+    }
+    return sum;
+}
+
+/*
+ * Find a second shape in the coefficients of a mode, which vibrates with the same frequency and
+ * damping, as the modes of a round mirror do in pairs. Returns whether there is one.
+ *   energy           in   energy of the mode in the readings, over that which noise alone gives it
+ *   part   [outputs][columns] in   coefficients of the mode
+ *   shape  [outputs] in   shape of the mode
+ *   rest   [outputs][columns] out  coefficients without this shape
+ *   along  [columns] out  work array
+ *   second [outputs] out  second shape
+ */
+static bool find_twin(double energy, const double *part, const double *shape, size_t outputs,
+                      size_t columns, double *rest, double *along, double *second)
+{
+    memcpy(rest, part, outputs * columns * sizeof *rest);
+    remove_shape(rest, outputs, columns, shape);
+    find_shape(rest, outputs, columns, along, second);
+    const double first = squares_along(part, outputs, columns, shape),
+                 other = squares_along(rest, outputs, columns, second);
+    return other > second_shape * second_shape * first &&
+           energy * other / (first + other) > significant;
+}
+
+/*
  * Compute the complex amplitudes of the free vibration of all vibration modes in all intervals of
  * constant voltages, and from these the static responses to the voltages.
  *   part [modes][outputs][2 intervals] in  coefficients of cosine and sine of the modes
@@ -805,8 +905,9 @@ static void find_shape(const double *part, size_t outputs, size_t columns, doubl
  */
 static int find_responses(identified_modes *result, const fit *fit, const double *part, char *error)
 {
-    const size_t modes = (size_t)fit->modes, outputs = fit->samples->outputs,
+    const size_t modes = (size_t)result->modes, outputs = fit->samples->outputs,
                  intervals = fit->intervals;
+    double angular[2 * IDENTIFIED_MODES];
     size_t *ends = calloc(2 * intervals + 1, sizeof *ends);
     double complex *amplitude = calloc(modes * intervals + 1, sizeof *amplitude);
     for (size_t i = 0; i < intervals && ends; i++) {
@@ -819,10 +920,12 @@ static int find_responses(identified_modes *result, const fit *fit, const double
                 result->shape[row] / (double)outputs *
                 (part[(row * intervals + i) * 2] -
                  part[(row * intervals + i) * 2 + 1] * (double complex)I);
+    for (size_t k = 0; k < modes; k++)
+        angular[k] = two_pi * result->frequency[k];
     const free_vibration record = {.samples = fit->samples,
                                    .modes = modes,
-                                   .frequency = fit->frequency,
-                                   .damping = fit->damping,
+                                   .frequency = angular,
+                                   .damping = result->damping,
                                    .rate = fit->rate,
                                    .intervals = intervals,
                                    .skipped = SKIPPED,
@@ -835,39 +938,87 @@ static int find_responses(identified_modes *result, const fit *fit, const double
     return is_done ? 0 : refuse(error, "out of memory");
 }
 
+/* Allocate the arrays of the result for twice the modes of the fit. Returns whether it worked. */
+static bool open_result(identified_modes *result, const fit *fit)
+{
+    const size_t room = 2 * (size_t)fit->modes;
+    result->frequency = calloc(room * (4 + fit->samples->outputs) + 1, sizeof *result->frequency);
+    result->damping = result->frequency + room;
+    result->frequency_error = result->damping + room;
+    result->damping_error = result->frequency_error + room;
+    result->shape = result->damping_error + room;
+    return result->frequency != NULL;
+}
+
+/* Whether another mode of the fit has almost the frequency of mode k. */
+static bool has_neighbour(const fit *fit, size_t k)
+{
+    for (size_t other = 0; other < (size_t)fit->modes; other++)
+        if (other != k &&
+            fabs(fit->frequency[k] - fit->frequency[other]) < near * fit->frequency[k])
+            return true;
+    return false;
+}
+
+/* Store frequency and damping of mode k of the fit as the next mode of the result. */
+static void add_mode(identified_modes *result, const fit *fit, size_t k, double variance,
+                     const double *inverse)
+{
+    const int next = result->modes++;
+    result->frequency[next] = fit->frequency[k] / two_pi;
+    result->damping[next] = fit->damping[k];
+    result->frequency_error[next] = sqrt(variance * inverse[2 * k * (PARAMETERS + 1)]) / two_pi;
+    result->damping_error[next] = sqrt(variance * inverse[(2 * k + 1) * (PARAMETERS + 1)]);
+}
+
+/*
+ * Fill the result with all modes, those of equal frequency one after the other.
+ *   part [modes][outputs][columns] in   coefficients of the modes of the fit
+ *   own  [2 modes][outputs][columns] out  coefficients of the modes of the result
+ *   along [columns]                out  work array
+ */
+static void fill_modes(identified_modes *result, const fit *fit, const normal *normal,
+                       const double *inverse, const double *part, double *own, double *along)
+{
+    const size_t outputs = fit->samples->outputs, columns = 2 * fit->intervals,
+                 entries = outputs * columns;
+    const double variance = normal->squares / (double)normal->values,
+                 chance = 2 * variance * (double)(fit->channels * fit->intervals);
+    for (size_t k = 0; k < (size_t)fit->modes; k++) {
+        const size_t next = (size_t)result->modes;
+        double *shape = result->shape + next * outputs;
+        memcpy(own + next * entries, part + k * entries, entries * sizeof *own);
+        find_shape(part + k * entries, outputs, columns, along, shape);
+        add_mode(result, fit, k, variance, inverse);
+        if (has_neighbour(fit, k) ||
+            !find_twin(normal->energy[k] / chance, part + k * entries, shape, outputs, columns,
+                       own + (next + 1) * entries, along, shape + outputs))
+            continue;
+        result->twins++;
+        add_mode(result, fit, k, variance, inverse);
+    }
+}
+
 static int take_result(identified_modes *result, fit *fit, const normal *normal,
                        const double *inverse, char *error)
 {
-    const size_t modes = (size_t)fit->modes, outputs = fit->samples->outputs,
-                 columns = 2 * fit->intervals;
-    result->frequency = calloc(4 * modes + modes * outputs + 1, sizeof *result->frequency);
-    double *part = calloc(modes * outputs * columns + columns + 1, sizeof *part);
-    if (!result->frequency || !part) {
+    const size_t modes = (size_t)fit->modes, columns = 2 * fit->intervals,
+                 entries = fit->samples->outputs * columns;
+    double *part = calloc((3 * modes + 1) * entries + columns + 1, sizeof *part);
+    if (!open_result(result, fit) || !part) {
         free(part);
         return refuse(error, "out of memory");
     }
-    result->modes = fit->modes;
-    result->steps = (int)fit->intervals;
-    result->damping = result->frequency + modes;
-    result->frequency_error = result->damping + modes;
-    result->damping_error = result->frequency_error + modes;
-    result->shape = result->damping_error + modes;
-    const double variance = normal->squares / (double)normal->values;
     double energy = 0;
-    for (size_t k = 0; k < modes; k++) {
-        result->frequency[k] = fit->frequency[k] / two_pi;
-        result->damping[k] = fit->damping[k];
-        result->frequency_error[k] = sqrt(variance * inverse[2 * k * (PARAMETERS + 1)]) / two_pi;
-        result->damping_error[k] = sqrt(variance * inverse[(2 * k + 1) * (PARAMETERS + 1)]);
+    for (size_t k = 0; k < modes; k++)
         energy += normal->energy[k];
-    }
-    result->noise = sqrt(variance);
+    result->steps = (int)fit->intervals;
+    result->noise = sqrt(normal->squares / (double)normal->values);
     result->left = sqrt(normal->squares / energy);
     fill_parts(fit, part);
-    for (size_t k = 0; k < modes; k++)
-        find_shape(part + k * outputs * columns, outputs, columns, part + modes * outputs * columns,
-                   result->shape + k * outputs);
-    const int failed = find_responses(result, fit, part, error);
+    double *own = part + modes * entries;
+    fill_modes(result, fit, normal, inverse, part, own, own + (2 * modes + 1) * entries);
+    const int failed = find_responses(result, fit, own, error);
     free(part);
     return failed;
 }
@@ -924,7 +1075,7 @@ static int run(fit *fit, identified_modes *result, int most, char *error)
         return -1;
     if (!take_memory(fit) || !choose_channels(fit) || !estimate(fit, most))
         return refuse(error, "out of memory");
-    keep_significant(fit, &normal, inverse);
+    keep_distinct(fit, &normal, inverse);
     if (fit->modes == 0)
         return refuse(error, "no vibration stands out from the noise; step the voltages further, "
                              "and hold them for several periods of the lowest mode");

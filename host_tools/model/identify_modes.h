@@ -12,6 +12,8 @@
 /* Vibration modes identified from a record of voltages and readings. */
 typedef struct identified_modes {
     int modes; /* number of vibration modes found, which are in the order of their frequencies */
+    int twins; /* number of pairs of modes of equal frequency and damping among them, such as those
+                  of a round mirror; their shapes are orthogonal */
     int steps; /* number of intervals of constant voltages that the identification used */
     double *frequency; /* [modes] natural frequencies of the vibration modes (Hz) */
     double *damping;   /* [modes] damping ratios of the vibration modes */
@@ -30,7 +32,8 @@ typedef struct identified_modes {
 
 enum {
     IDENTIFIED_MODES = 20
-}; /* largest number of vibration modes that can be identified together */
+}; /* largest number of vibration modes that can be identified together; a pair of equal frequency
+      counts once */
 
 /*
  * Identify the vibration modes in a record of voltages and readings, without those that noise

@@ -79,6 +79,8 @@ static const pzs_real example_target[9] = {
  * Every rate up to 0.273 ticks a second is stable, also where the response to voltages
  * is 0.8 to 1.33 and frequencies are 0.9 to 1.1 of the model's.
  */
+/* written with --quasi-static: the tick damps no vibration, and the structure must have settled when the next tick reads its sensors */
+#define EXAMPLE_QUASI_STATIC 1
 
 /* blocks of the control tick in the order in which they run, as in `pzs simulate` */
 #define EXAMPLE_BLOCKS 1
