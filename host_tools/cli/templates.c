@@ -147,7 +147,7 @@ static const char panel[] =
     "converted.\n"
     "units: {length: m, force: N, voltage: V, temperature: K}\n"
     "\n"
-    "kinematics: linear   # auto also runs large rotations, and says whether the difference matters\n"
+    "kinematics: linear # auto also runs large rotations, and says whether that matters\n"
     "# theta1 runs along the axis, theta2 is the angle around it. The outer face looks outwards.\n"
     "surface: {type: cylinder, radius: 1, axial: theta1}\n"
     "mesh:\n"

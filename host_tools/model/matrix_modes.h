@@ -23,13 +23,16 @@ typedef struct matrix_modes {
                         NAN where one of the two is 0 */
     int swaps; /* number of pairs of outputs (rows of the influence matrix) that were swapped so
                   that the mode shapes explain more of the matrix */
-    int swapped[2];     /* indices, counted from 0, of the pair of outputs (rows of the influence
-                           matrix) that was swapped first, because this swap lets the mode shapes
-                           explain most of the matrix */
-    double swap_gain;   /* squared entries of the influence matrix that the mode shapes explain only
-                           after the first pair of outputs was swapped, over those that they leave of
-                           two average outputs after all swaps; divided by what chance reaches with
-                           few amplifiers, 1 + 8/amplifiers. 0 without a swap or with one amplifier */
+    int swapped[2]; /* indices, counted from 0, of the pair of outputs (rows of the influence
+                       matrix) that was swapped first, because this swap lets the mode shapes
+                       explain most of the matrix */
+    /*
+     * squared entries of the influence matrix that the mode shapes explain only after the first
+     * pair of outputs was swapped, divided by those that they leave of two average outputs after
+     * all swaps, and by what chance reaches with few amplifiers, 1 + 8/amplifiers. 0 without a swap
+     * or with one amplifier
+     */
+    double swap_gain;
     double random_rest; /* mean fraction of the squared entries of the influence matrix that the
                            mode shapes would not represent if their outputs were in random order. If
                            the member `rest` is near this value, mode shapes and influence matrix

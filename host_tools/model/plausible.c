@@ -107,8 +107,8 @@ static const struct rule {
      "the voltages reach little of it; compare the units of target, limits and structure or "
      "matrix"},
     {"sensor_range", SUBJECT_OPTIMUM, measure_range, 0, 1, "",
-     "the loop takes larger readings as missing, and never sees the target reached; write the range "
-     "of the sensor in units.length"},
+     "the loop takes larger readings as missing, and never sees the target reached; write the "
+     "range of the sensor in units.length"},
     {"idle_voltages", SUBJECT_OPTIMUM, measure_idle, 1e-4, HUGE_VAL, "times the limit",
      "the target needs almost no voltage; compare the units of target, limits and structure or "
      "matrix"},

@@ -66,8 +66,8 @@ typedef struct plausible_optimum {
                       voltage limits */
     double share;  /* largest absolute value of the optimal voltages relative to the largest voltage
                       limit; NAN without limits */
-    int dependent;  /* number of amplifiers whose columns of the influence matrix depend linearly on
-                       the columns of other amplifiers; counted without regularisation */
+    int dependent; /* number of amplifiers whose columns of the influence matrix depend linearly on
+                      the columns of other amplifiers; counted without regularisation */
     double reading; /* largest displacement of the target relative to the range of the sensors of
                        its nodes, beyond which the loop takes a reading as missing; 0: no range */
 } plausible_optimum;
