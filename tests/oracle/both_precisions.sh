@@ -10,7 +10,7 @@ trap 'rm -f "$dump"' EXIT
 n=0
 for bits in 64 32; do
     n=$((n + 1))
-    said=$("$B/test/$test-$bits" "$dump" >/dev/null 2>&1 && /usr/bin/python3 "tests/oracle/$program" "$dump" "$@") && word=ok || word='not ok'
+    said=$("$B/test/$test-$bits" "$dump" >/dev/null 2>&1 && /usr/bin/python3 -B "tests/oracle/$program" "$dump" "$@") && word=ok || word='not ok'
     echo "$word $n - $bits bits: $said"
 done
 echo "1..$n"

@@ -16,18 +16,13 @@ import sys
 import numpy as np
 from scipy.linalg import eigh
 
+from dumped_numbers import Numbers
+
 
 def structures(path):
-    data = np.fromfile(path)
-    at = 0
-
-    def take(*shape):
-        nonlocal at
-        count = int(np.prod(shape))
-        at += count
-        return data[at - count:at].reshape(shape)
-
-    while at < len(data):
+    numbers = Numbers(path)
+    take = numbers.take
+    while numbers.is_left():
         epsilon, tolerance, shift = take(3)
         nodes, elements, types, masses, per_node, dof, modes = (int(x) for x in take(7))
         packed = 2 * per_node * (4 * per_node + 1)

@@ -18,18 +18,13 @@ import sys
 import numpy as np
 from scipy.optimize import lsq_linear
 
+from dumped_numbers import Numbers
+
 
 def loops(path):
-    data = np.fromfile(path)
-    at = 0
-
-    def take(*shape):
-        nonlocal at
-        count = int(np.prod(shape))
-        at += count
-        return data[at - count:at].reshape(shape)
-
-    while at < len(data):
+    numbers = Numbers(path)
+    take = numbers.take
+    while numbers.is_left():
         n, m, modes, ticks = (int(x) for x in take(4))
         epsilon, effort, other_gain, other_leak, limit = take(5)
         loop = dict(n=n, epsilon=epsilon, effort=effort, other=(other_gain, other_leak), limit=limit, rests=ticks < 0)
