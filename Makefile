@@ -180,7 +180,8 @@ $(call for_variants,polarity,64 32 san64 san32,$(DAMPED))
 $(call for_variants,selftest,64 32 san64 san32,@bridge64.o)
 $(call for_variants,recursive,64 32 san64 san32,@bridge64.o)
 $(call for_variants,pulse_faults,64 32 san64 san32,)
-$(foreach t,flips damped_flips supervisor heartbeat output_gate hysteresis actuator_curve,$(call for_variants,$(t),64 32 san64 san32,))
+$(foreach t,flips damped_flips,$(call for_variants,$(t),64 32 san64 san32,@tests/rigs/flip_rig.o))
+$(foreach t,supervisor heartbeat output_gate hysteresis actuator_curve,$(call for_variants,$(t),64 32 san64 san32,))
 $(call for_variants,estimator,64 san64,@tests/rigs/scene_run.o @host.a)
 $(call for_variants,shell,64 san64,@tests/rigs/testdata.o @host.a)
 $(call for_variants,panel,64 san64,@tests/rigs/quad_shell.o @tests/rigs/scene_run.o @host.a)
@@ -256,15 +257,18 @@ GATE_OBJECTS := $(foreach v,64 32 san64 san32,$(B)/$(v)/tests/unit/test_flips.o)
 $(GATE_OBJECTS): $(B)/tables/gate_plate.h
 $(GATE_OBJECTS): INCLUDE += -I$(B)/tables
 
-# The demonstration's plate with a loop that damps vibration, follows moving targets and compensates hysteresis.
+# The demonstration's plate with a loop that damps vibration, follows moving targets and compensates hysteresis; the same with late readings.
 DAMPED_PLATE := plate-50-patches --set 'limits.voltage=[-300, 300]' --set limits.step_limit=20 \
     --set 'control={rate: 1000, moving_target: true}' --set 'hysteresis={range: [-300, 300], slopes: [0.5, 0.5, 0.5, 0.5], slack: [30, 120], above: [0.3, 0.2]}' \
-    --image control --prefix plate
+    --image control
 $(B)/tables/damped_plate.h: $(B)/pzs
 	@mkdir -p $(@D)
-	$< tables $(DAMPED_PLATE) -o $@ >/dev/null 2>&1
+	$< tables $(DAMPED_PLATE) --prefix plate -o $@ >/dev/null 2>&1
+$(B)/tables/late_plate.h: $(B)/pzs
+	@mkdir -p $(@D)
+	$< tables $(DAMPED_PLATE) --set 'simulate={ticks: 100, sensors: {delay: 2}}' --prefix late -o $@ >/dev/null 2>&1
 DAMPED_OBJECTS := $(foreach v,64 32 san64 san32,$(B)/$(v)/tests/unit/test_damped_flips.o)
-$(DAMPED_OBJECTS): $(B)/tables/damped_plate.h
+$(DAMPED_OBJECTS): $(B)/tables/damped_plate.h $(B)/tables/late_plate.h
 $(DAMPED_OBJECTS): INCLUDE += -I$(B)/tables
 
 # Part of the sweep of equilibria with the unit tests, all of it with check-long.
@@ -344,11 +348,11 @@ check-long: setup-test
 	for bits in 32 64; do $(CC) $(WARN) -O2 -DPZS_REAL_BITS=$$bits -DLONG_TICKS=1000000 $(INCLUDE) tests/unit/test_faults.c tests/rigs/testdata.c \
 	    $(B)/$$bits/libpiezoshape.a -lcmocka -lm -o $(B)/long-faults && $(B)/long-faults || exit 1; done
 	for bits in 32 64; do $(CC) $(WARN) -O2 -DPZS_REAL_BITS=$$bits -DFLIPS=1000000 -DWINDOWS=20000 $(INCLUDE) -I$(B)/tables \
-	    tests/unit/test_flips.c $(B)/$$bits/libpiezoshape.a -lcmocka -lm -o $(B)/long-flips && $(B)/long-flips || exit 1; done
-	for bits in 32 64; do $(CC) $(WARN) -O2 -DPZS_REAL_BITS=$$bits -DFLIPS=1000000 $(INCLUDE) -I$(B)/tables \
-	    tests/unit/test_damped_flips.c $(B)/$$bits/libpiezoshape.a -lcmocka -lm -o $(B)/long-flips && $(B)/long-flips || exit 1; done
+	    tests/unit/test_flips.c tests/rigs/flip_rig.c $(B)/$$bits/libpiezoshape.a -lcmocka -lm -o $(B)/long-flips && $(B)/long-flips || exit 1; done
+	for bits in 32 64; do $(CC) $(WARN) -O2 -DPZS_REAL_BITS=$$bits -DFLIPS=1000000 -DWINDOWS=10000 $(INCLUDE) \
+	    -I$(B)/tables tests/unit/test_damped_flips.c tests/rigs/flip_rig.c $(B)/$$bits/libpiezoshape.a -lcmocka -lm -o $(B)/long-flips && $(B)/long-flips || exit 1; done
 	for bits in 32 64; do $(CC) $(WARN) -O2 -DPZS_REAL_BITS=$$bits -DPZS_DUAL_INPUTS=1u -DFLIPS=1000000 -DWINDOWS=20000 $(INCLUDE) \
-	    -I$(B)/tables tests/unit/test_flips.c $(LIB) -lcmocka -lm -o $(B)/long-flips && $(B)/long-flips || exit 1; done
+	    -I$(B)/tables tests/unit/test_flips.c tests/rigs/flip_rig.c $(LIB) -lcmocka -lm -o $(B)/long-flips && $(B)/long-flips || exit 1; done
 	for bits in 32 64; do $(CC) $(WARN) -O2 -DPZS_REAL_BITS=$$bits -DLONG_TICKS=1000000 $(INCLUDE) tests/unit/test_supervisor.c \
 	    $(B)/$$bits/libpiezoshape.a -lcmocka -lm -o $(B)/long-supervisor && $(B)/long-supervisor || exit 1; done
 	for bits in 32 64; do $(CC) $(WARN) -O2 -DPZS_REAL_BITS=$$bits -DHEALTHY_RUNS=1200 $(INCLUDE) \

@@ -612,6 +612,9 @@ typedef struct pzs_pulse_detector_state {
                                  voltages of the two electrodes under test */
 } pzs_pulse_detector_state;
 
+/* Largest age of measured shapes or readings that a control loop accepts (ticks). */
+#define PZS_DELAY_LIMIT 16
+
 typedef struct pzs_estimate_state {
     struct pzs_control *control;
     const struct pzs_estimator *tables;
@@ -677,6 +680,8 @@ typedef struct pzs_damper_state {
                         each tick: `equilibrium` (static positions of the vibration modes) and
                         `expected` (static readings of the sensors) */
     uint8_t stage;
+    uint32_t row_sum[PZS_DELAY_LIMIT + 1]; /* exclusive or of the words in each row of the ring
+                                              buffers, in a loop whose readings are late */
     uint32_t late_sum; /* exclusive or of the words of the first copy in `late` */
 } pzs_damper_state;
 

@@ -1093,8 +1093,10 @@ typedef struct pzs_governor_state {
                          equilibrium were computed (m) */
     pzs_real *wanted; /* [outputs] target shape that the governor has slowed down for the vibration
                          damper (m) */
-    bool has_target;  /* whether the optimal voltages belong to the target shape in the array
-                         `target` */
+    uint32_t gradient_sum; /* exclusive or of the words of the gradients that the second controller
+                              keeps from target to target */
+    bool has_target;       /* whether the optimal voltages belong to the target shape in the array
+                              `target` */
 } pzs_governor_state;
 
 /*
@@ -1450,9 +1452,6 @@ extern const pzs_block_type pzs_amplifier_block;
  *   - In a loop with the vibration damper the detector finds nothing; use pzs_pulse_detector_block
  *     there.
  */
-
-/* Largest age of measured shapes or readings that a control loop accepts (ticks). */
-#define PZS_DELAY_LIMIT 16
 
 typedef enum pzs_electrode_state {
     PZS_ELECTRODE_OBSERVED = 0,

@@ -165,12 +165,14 @@ double loop_work_vibration(const block_counts *of, const loop_processor *on)
                            ? product(on, of->outputs, sensors) + product(on, sensors, of->inputs) +
                                  product(on, of->outputs, modes) + loops(of, on, 12, 0, 0)
                            : 0;
-    const double predicted = LOOP_WORK_MISSED + 1 + (double)of->damper_delay * 2;
+    const double predicted = LOOP_WORK_MISSED + 1 + (double)of->damper_delay * 3;
+    const double protected_rows =
+        of->damper_delay > 0 ? ((double)of->damper_delay + 2) * 6 * (double)(sensors + modes) : 0;
     const double weighed = of->free_functions > 0 ? on->other * 8 * (double)sensors : 0;
     return weighed + 4 * product(on, sensors, modes) + 2 * product(on, modes, of->inputs) +
            4 * product(on, modes, modes) + few + second_prediction(of, on) +
            on->other * (77 * (double)sensors + 60 * (double)modes +
-                        predicted * (22 * (double)modes + 80) + 700);
+                        predicted * (22 * (double)modes + 80) + protected_rows + 800);
 }
 
 double loop_work_effect(const block_counts *of, const loop_processor *on)

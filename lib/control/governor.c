@@ -146,6 +146,15 @@ static bool is_known(const pzs_governor_state *state, const pzs_real *wanted)
 }
 
 /*
+ * Return the exclusive or of the words of what the governor's controller keeps from target to
+ * target: the base voltages and three gradients, which follow each other in its workspace.
+ */
+static uint32_t gradient_sum(const pzs_optimiser *optimiser)
+{
+    return pzs_guard_word_sum(optimiser->base, 4u * optimiser->width * sizeof *optimiser->base);
+}
+
+/*
  * Compute the optimal voltages for the target shape, without step limits and with the inputs fixed
  * that the control loop keeps fixed. The voltage limits are those of the tables: where hysteresis
  * is compensated, those in the loop's controller have been replaced by limits of the equivalent
@@ -162,8 +171,11 @@ static void find_optimum(pzs_governor_state *state, const pzs_real *wanted)
     optimum->state.has_step_limits = false;
     pzs_control_share_bounds(&optimum->state.optimiser, optimum);
     memcpy(state->target, wanted, problem->outputs * sizeof *wanted);
+    if (gradient_sum(&optimum->state.optimiser) != state->gradient_sum)
+        pzs_control_moved(optimum);
     state->has_target = !PZS_IS_ERROR(pzs_step(optimum, wanted));
     pzs_control_complete(optimum);
+    state->gradient_sum = gradient_sum(&optimum->state.optimiser);
     memcpy(state->optimal, optimum->state.voltage, bytes);
     copy_voltages(state->optimal, PZS_FOURS(problem->inputs));
 }

@@ -210,6 +210,24 @@ static void repeat_voltages(pzs_damper *damper)
 }
 
 /*
+ * Return the exclusive or of all words in one row of the ring buffers of static modal coordinates
+ * and readings.
+ */
+static uint32_t row_sum(const pzs_damper *damper, uint32_t age)
+{
+    const pzs_vibration *tables = damper->state.tables;
+    return pzs_guard_word_sum(equilibrium_of(damper, age), tables->modes * sizeof(pzs_real)) ^
+           pzs_guard_word_sum(expected_of(damper, age), tables->sensors * sizeof(pzs_real));
+}
+
+/* Store the sum of the words in the newest row of the ring buffers. */
+static void keep_row(pzs_damper *damper)
+{
+    if (damper->state.tables->delay > 0)
+        damper->state.row_sum[row_of(damper, 0)] = row_sum(damper, 0);
+}
+
+/*
  * Advance the ring buffer of static modal coordinates and readings by one tick: its newest row
  * receives those under the present voltages.
  *   is_same in  true: the voltages are those of the previous tick
@@ -222,6 +240,7 @@ static void advance(pzs_damper *damper, bool is_same)
         repeat_voltages(damper);
     else
         record_voltages(damper);
+    keep_row(damper);
     predict(damper, damper->state.late, equilibrium_of(damper, damper->state.tables->delay));
 }
 
@@ -232,10 +251,24 @@ static void advance(pzs_damper *damper, bool is_same)
 static void catch_up(pzs_damper *damper)
 {
     const size_t width = width_of(damper);
-    memcpy(damper->state.velocity_before, damper->state.now + width, width * sizeof(pzs_real));
     memcpy(damper->state.now, damper->state.late, 3 * width * sizeof(pzs_real));
     for (uint32_t age = damper->state.tables->delay; age-- > 0;)
         predict(damper, damper->state.now, equilibrium_of(damper, age));
+}
+
+/*
+ * Keep the velocities of the vibration modes at the last tick. They are predicted once more from
+ * the state that is protected against damaged memory.
+ */
+static void keep_velocity(pzs_damper *damper)
+{
+    const size_t width = width_of(damper);
+    const pzs_real *state = damper->state.late;
+    if (damper->state.tables->delay > 0) {
+        catch_up(damper);
+        state = damper->state.now;
+    }
+    memcpy(damper->state.velocity_before, state + width, width * sizeof *state);
 }
 
 /* ---- damaged memory ---------------------------------------------------- */
@@ -267,6 +300,34 @@ static void repair_state(pzs_damper *damper)
     if (pzs_guard_word_sum(late, bytes) != damper->state.late_sum &&
         pzs_guard_word_sum(late + 4 * width, bytes) == damper->state.late_sum)
         memcpy(late, late + 4 * width, bytes);
+}
+
+/*
+ * Replace damaged rows of the ring buffers of static modal coordinates and readings by the row of
+ * the next tick, the newest row by that of the tick before, as voltages change little in a tick.
+ * Without delay both are computed anew in each tick.
+ */
+static void repair_rows(pzs_damper *damper)
+{
+    const pzs_vibration *tables = damper->state.tables;
+    for (uint32_t age = 0; tables->delay > 0 && age <= tables->delay; age++) {
+        const uint32_t other = age > 0 ? age - 1u : 1u;
+        uint32_t *sum = &damper->state.row_sum[row_of(damper, age)];
+        if (row_sum(damper, age) == *sum)
+            continue;
+        memcpy(equilibrium_of(damper, age), equilibrium_of(damper, other),
+               tables->modes * sizeof(pzs_real));
+        memcpy(expected_of(damper, age), expected_of(damper, other),
+               tables->sensors * sizeof(pzs_real));
+        *sum = row_sum(damper, age);
+    }
+}
+
+/* Repair what the damper keeps from tick to tick. */
+static void repair(pzs_damper *damper)
+{
+    repair_state(damper);
+    repair_rows(damper);
 }
 
 /* Whether residuals with the sum of squares `energy` cannot exceed `most`, their bound. */
@@ -594,6 +655,7 @@ static void set_initial_state(pzs_damper *damper)
     for (uint32_t i = 0; i <= damper->state.tables->delay; i++) {
         damper->state.newest = (uint16_t)i;
         record_voltages(damper);
+        keep_row(damper);
     }
     memcpy(damper->state.late, equilibrium_of(damper, 0), bytes);
     memcpy(damper->state.now, equilibrium_of(damper, 0), bytes);
@@ -640,6 +702,7 @@ static pzs_status tick(pzs_damper *damper, const pzs_real *readings, pzs_real *s
     uint32_t unusable = tables->sensors;
     int32_t where = -1;
     damper->info.is_repeated = false;
+    keep_velocity(damper);
     advance(damper, false);
     if (readings != NULL)
         unusable = compare(damper, readings, &where);
@@ -666,7 +729,7 @@ pzs_status pzs_damper_tick(pzs_damper *damper, const pzs_real *readings, pzs_rea
         return PZS_E_ARGUMENT;
     if (damper->state.stage != READY)
         return PZS_E_STAGE;
-    repair_state(damper);
+    repair(damper);
     const pzs_status status = tick(damper, readings, shape);
     keep_state(damper);
     return status;
@@ -687,7 +750,7 @@ pzs_status pzs_damper_skip(pzs_damper *damper, uint16_t ticks)
         return PZS_E_ARGUMENT;
     if (damper->state.stage != READY)
         return PZS_E_STAGE;
-    repair_state(damper);
+    repair(damper);
     skip(damper, ticks);
     keep_state(damper);
     return finish(damper, PZS_OK, -1);
@@ -742,7 +805,7 @@ static pzs_status block_tick(void *self, pzs_loop_signals *signals)
     const pzs_vibration *tables = signals->tables;
     pzs_real *shape = (void *)((uint8_t *)work_of(damper) + workspace_of(tables));
     place(damper, signals->control, tables, work_of(damper));
-    repair_state(damper);
+    repair(damper);
     skip(damper, (uint16_t)signals->missed);
     const pzs_status status = tick(damper, signals->readings, shape);
     keep_state(damper);
