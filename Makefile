@@ -349,7 +349,7 @@ check-long: setup-test
 	    $(B)/$$bits/libpiezoshape.a -lcmocka -lm -o $(B)/long-faults && $(B)/long-faults || exit 1; done
 	for bits in 32 64; do $(CC) $(WARN) -O2 -DPZS_REAL_BITS=$$bits -DFLIPS=1000000 -DWINDOWS=20000 $(INCLUDE) -I$(B)/tables \
 	    tests/unit/test_flips.c tests/rigs/flip_rig.c $(B)/$$bits/libpiezoshape.a -lcmocka -lm -o $(B)/long-flips && $(B)/long-flips || exit 1; done
-	for bits in 32 64; do $(CC) $(WARN) -O2 -DPZS_REAL_BITS=$$bits -DFLIPS=1000000 -DWINDOWS=10000 $(INCLUDE) \
+	for bits in 32 64; do $(CC) $(WARN) -O2 -DPZS_REAL_BITS=$$bits -DFLIPS=1000000 -DWINDOWS=2000 $(INCLUDE) \
 	    -I$(B)/tables tests/unit/test_damped_flips.c tests/rigs/flip_rig.c $(B)/$$bits/libpiezoshape.a -lcmocka -lm -o $(B)/long-flips && $(B)/long-flips || exit 1; done
 	for bits in 32 64; do $(CC) $(WARN) -O2 -DPZS_REAL_BITS=$$bits -DPZS_DUAL_INPUTS=1u -DFLIPS=1000000 -DWINDOWS=20000 $(INCLUDE) \
 	    -I$(B)/tables tests/unit/test_flips.c tests/rigs/flip_rig.c $(LIB) -lcmocka -lm -o $(B)/long-flips && $(B)/long-flips || exit 1; done

@@ -167,7 +167,9 @@ double loop_work_vibration(const block_counts *of, const loop_processor *on)
                            : 0;
     const double predicted = LOOP_WORK_MISSED + 1 + (double)of->damper_delay * 3;
     const double protected_rows =
-        of->damper_delay > 0 ? ((double)of->damper_delay + 2) * 6 * (double)(sensors + modes) : 0;
+        of->damper_delay > 0
+            ? (LOOP_WORK_MISSED + 2 + (double)of->damper_delay) * 6 * (double)(sensors + modes)
+            : 0;
     const double weighed = of->free_functions > 0 ? on->other * 8 * (double)sensors : 0;
     return weighed + 4 * product(on, sensors, modes) + 2 * product(on, modes, of->inputs) +
            4 * product(on, modes, modes) + few + second_prediction(of, on) +

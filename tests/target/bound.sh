@@ -89,6 +89,8 @@ if tap_needs "$ARM_CC" 'bounds' && tap_needs "$QEMU" 'bounds'; then
         # shellcheck disable=SC2086
         loop 'without supervisor' plate-50-patches $limits --set 'control={rate: 1000, clock: 168 MHz}' --set safety=none
         # shellcheck disable=SC2086
+        loop 'late readings' plate-50-patches $limits --set 'control={rate: 900, clock: 168 MHz}' --set 'simulate={ticks: 100, sensors: {delay: 2}}'
+        # shellcheck disable=SC2086
         loop 'hysteresis' plate-50-patches $limits --set 'control={rate: 500, clock: 168 MHz}' --set \
             'hysteresis={range: [-300, 300], slopes: [0.368547, 0.426044, 0.437888, 0.503396], slack: [19.091, 47.0075, 79.6316, 115.746, 154.699, 196.076, 239.583, 285], above: [0.082997, 0.18585, 0.337765, 0.194578, 0.0411033, 0.0167373, 0.00482822, 0.0381532], below: [0.0661642, 0.149027, 0.290258, 0.153003, 0.00975122, 0, 0, 0.0376249], offset: -2.96617, creep_time: [0.1, 1, 10], creep: [0.0340785, 0.00622968, 0.136663]}'
         # shellcheck disable=SC2086
@@ -96,7 +98,7 @@ if tap_needs "$ARM_CC" 'bounds' && tap_needs "$QEMU" 'bounds'; then
             --set 'safety={selftest: {amplitude: 20, pulse_ticks: 16}}' --set 'simulate={ticks: 100, events: [{at: 10, dead: [v_1_1], announced: detected}]}'
         loop 'few sensors, known load, converter steps' plate-few-sensors
         ticks=2001
-        loop 'late readings, fault detector' mirror --set 'loads=[{face: outer, pressure: 1}]' --set 'control={rate: 20, clock: 168 MHz}' \
+        loop 'late readings without a damper, fault detector' mirror --set 'loads=[{face: outer, pressure: 1}]' --set 'control={rate: 20, clock: 168 MHz}' \
             --set 'simulate={ticks: 100, sensors: {delay: 2}, amplifiers: {step: 0.05}, events: [{at: 10, load: 0, factor: 1, feed_forward: true}, {at: 10, dead: [v_1_1], announced: detected}]}'
         loop 'limits between amplifiers' mirror --set 'control={rate: 10, clock: 168 MHz}' \
             --set 'limits={voltage: [-50, 50], step_limit: 5, difference: {limit: 30}}'
