@@ -477,6 +477,76 @@ typedef struct pzs_fault_detector_state {
     uint8_t stage;
 } pzs_fault_detector_state;
 
+/* Number of modelled responses in the least-squares fit of the readings during a test pulse. */
+#define PZS_PULSE_COLUMNS 3u
+/* Number of equal parts of a test pulse over which its course in time is summed. */
+#define PZS_PULSE_PARTS 16u
+/* Largest number of electrodes that a fault detector suspects at the same time. */
+#define PZS_PULSE_CANDIDATES 2u
+
+/*
+ * Least-squares fit of the measured response to a test pulse (changes of the readings, each times
+ * the scale factor of its sensor, so that they are numbers without unit) by three modelled
+ * responses: to the suspected electrode, to the healthy reference electrode, and to all other
+ * electrodes.
+ */
+typedef struct pzs_pulse_fit {
+    /*
+     * lower triangle of the matrix of scalar products over the sensors (dimensionless) between the
+     * modelled responses. After the factorisation: its L D L^T factors
+     */
+    pzs_real matrix[PZS_PULSE_COLUMNS][PZS_PULSE_COLUMNS];
+    /*
+     * scalar products over the sensors (dimensionless) of the measured response with the modelled
+     * responses. After the solution: the gains (measured divided by modelled response)
+     */
+    pzs_real response[PZS_PULSE_COLUMNS];
+    pzs_real own;    /* squared norm over the sensors of the modelled response to the suspected
+                        electrode (dimensionless) */
+    pzs_real energy; /* squared norm over the sensors of the measured response (dimensionless) */
+} pzs_pulse_fit;
+
+/*
+ * Result of one test pulse that two electrodes make together: the one suspected of a fault [0] and
+ * a healthy one with which it is compared [1].
+ */
+typedef struct pzs_pulse_response {
+    pzs_real gain[2];   /* gain of each electrode: measured divided by modelled response to the test
+                           pulse (dimensionless) */
+    pzs_real jumped[2]; /* jump of the readings in the middle of the test pulse, for example by a
+                           load, as a multiple of the modelled response to each electrode
+                           (dimensionless). A large jump makes the gains unreliable */
+    /*
+     * course error of each electrode (dimensionless): largest change within the pulse of the
+     * voltage that the readings show and that its pulse and gain do not explain, divided by the
+     * height of the pulse; means over a period of vibration. A load that comes and goes during the
+     * pulse makes it large
+     */
+    pzs_real course_error[2];
+    pzs_real unexplained; /* unexplained part of the measured response (dimensionless): sum of
+                             squares of the part that no modelled response explains, divided by the
+                             sum of squares of the modelled response */
+    bool is_measured; /* whether the gains (measured over modelled response) can be trusted; false:
+                         a load or a motion has disturbed the test pulse, or readings were missing
+                       */
+} pzs_pulse_response;
+
+/*
+ * Course in time of the responses to a test pulse that two electrodes make together, the one
+ * suspected of a fault [0] and a healthy one [1]: sums over the ticks of each part of the pulse.
+ */
+typedef struct pzs_pulse_course {
+    /*
+     * scalar products over the sensors of two responses (1/V): modelled response per volt, and
+     * change of the readings since the first tick of the pulse (shown), or the part of it that the
+     * model expects of all other electrodes (others). A response is a change of the readings times
+     * their scale factors
+     */
+    pzs_real shown[2][PZS_PULSE_PARTS], others[2][PZS_PULSE_PARTS];
+    pzs_real given[2][PZS_PULSE_PARTS]; /* change of the voltage of the electrode since the first
+                                           tick of the pulse (V) */
+} pzs_pulse_course;
+
 typedef struct pzs_pulse_detector_state {
     struct pzs_control *control;
     const struct pzs_compensator *compensator; /* memory of the compensation of hysteresis; NULL:
@@ -523,13 +593,15 @@ typedef struct pzs_pulse_detector_state {
                        target shape stood still (V): change that the averaged readings show, minus
                        the change that the amplifier was given */
     /*
-     * [inputs] array with two uses.
-     *   Estimate of voltage errors: part of the true voltage changes `move` that the sensors can
-     *   resolve (V), the resolution matrix of the estimate times `move`.
-     *   Choice of a reference electrode: scalar product (1/V2) of the scaled modelled responses
-     *   (sensor readings per volt) of each electrode and of the suspected electrode.
+     * [inputs] part of the true voltage changes `move` that the sensors can resolve (V): resolution
+     * matrix of the estimate times `move`
      */
     pzs_real *resolved;
+    /*
+     * [inputs] scalar products over the sensors (1/V2) of the scaled modelled response per volt of
+     * each electrode with that of the suspected electrode [0], and of the reference electrode [1]
+     */
+    pzs_real *product[2];
     /*
      * [inputs] resolution of each electrode by the sensors (0 to 1): part of a missing voltage that
      * the least-squares estimate finds at the electrode itself, if no other electrode lacks a
@@ -580,32 +652,41 @@ typedef struct pzs_pulse_detector_state {
                                   (start), and in the next tick (set) (V) */
     pzs_real height[2]; /* heights of the voltage pulses that test two electrodes: the one suspected
                            of a fault [0] and the healthy one with which it is compared [1] (V) */
-    pzs_real suspect_voltage; /* mean voltage of the electrode suspected of a fault, over the
-                                 interval in which it was first suspected (V) */
+    pzs_pulse_fit fit;  /* fit of the readings of the last test pulse */
+    pzs_pulse_course course;     /* course in time of the responses to the last test pulse */
+    pzs_pulse_response response; /* result of the last test pulse */
     /*
-     * change of the mean voltage of the electrode suspected of a fault (V): from an interval in
-     * which the target shape stood still to the interval in which the electrode was first suspected
+     * Numbers that distinguish a dead from a stuck electrode, for each candidate, and last for the
+     * electrode with which the first one is compared (V): mean voltage of the interval in which it
+     * was suspected; its change from an interval in which the target shape stood still; and voltage
+     * error, the voltage that the readings showed minus the one given
      */
-    pzs_real suspect_move;
-    pzs_real suspect_loss; /* voltage error of the electrode suspected of a fault, when it was first
-                              suspected (V): voltage that the readings showed minus the voltage that
-                              the amplifier was given */
-    uint32_t position;     /* number of ticks since the fault detector began its present window
-                              (interval in which readings are averaged) or test pulse */
+    pzs_real mean_voltage[PZS_PULSE_CANDIDATES + 1u];
+    pzs_real mean_move[PZS_PULSE_CANDIDATES + 1u], mean_loss[PZS_PULSE_CANDIDATES + 1u];
+    pzs_real common; /* part of every voltage change that seems to be missing because the gain of
+                        the structure differs from the model (dimensionless) */
+    pzs_real rest; /* part of the change of the readings that no voltage errors explain, in the last
+                      comparison with an interval in which the target shape stood still (V2) */
+    uint32_t position; /* number of ticks since the fault detector began its present window
+                          (interval in which readings are averaged) or test pulse */
     uint16_t suspect, reference; /* inputs of the electrodes under test: the one suspected of a
                                     fault, and the healthy one with which it is compared; 0xFFFF:
                                     none */
+    uint16_t candidate[PZS_PULSE_CANDIDATES]; /* inputs that are tested one after the other, or two
+                                                 together, the most likely faulty one first; 0xFFFF:
+                                                 none */
     uint8_t phase; /* present activity of the fault detector, such as averaging readings or making
                       test pulses */
     uint8_t tries; /* number of unsuccessful test pulses in the test of a suspected electrode: those
                       that were disturbed, and those to which the electrode taken as healthy did not
                       respond */
-    uint8_t silent; /* number of test pulses in a row to which the electrode suspected of a fault
-                       has not responded */
-    bool is_grown;  /* whether the fault detector makes test pulses higher than usual, because
-                       neither electrode under test responded to pulses of the usual height */
-    bool is_moving; /* whether the target shape has changed in the present window, the interval in
-                       which readings are averaged */
+    uint8_t silent;  /* number of test pulses in a row to which the electrode suspected of a fault
+                        has not responded */
+    bool is_grown;   /* whether the fault detector makes test pulses higher than usual, because
+                        neither electrode under test responded to pulses of the usual height */
+    bool is_moving;  /* whether the target shape has changed in the present window, the interval in
+                        which readings are averaged */
+    bool was_moving; /* whether the target shape changed in the window whose means are compared */
     bool has_base, has_taken; /* has_base: whether there was an interval in which the target shape
                                  stood still, with which later readings are compared; has_taken:
                                  whether the fault detector, and not the controller, sets the

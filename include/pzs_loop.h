@@ -1795,12 +1795,13 @@ extern const pzs_block_type pzs_selftest_block;
  *   - Suspicion: the mean readings, compared with those of an earlier interval in which the target
  *     stood still, show less voltage on an electrode, or less change of it, than its amplifier
  *     gave. More than 5 % of the height of its test pulse must be missing.
- *   - Test: the electrode makes slow test pulses together with one that seems healthy. It is faulty
- *     if its response is missing although the other one responds, or has the wrong sign. One
- *     undisturbed pulse is enough, otherwise two are needed.
- *   - Time: the pulses begin a quarter of a pulse after the last motion of the target; a motion
- *     interrupts them. If the target never stands still for one and a quarter pulses, no fault is
- *     found.
+ *   - Test: the electrode makes slow test pulses together with another suspected one, or with one
+ *     that seems healthy. It is faulty if its response is missing although the other one responds,
+ *     or has the wrong sign. One pulse is enough if its course in time excludes that a load hides
+ *     the response; otherwise a second one, of opposite sign where the limits allow it, is needed.
+ *   - Time: a fault is suspected within PZS_SUSPICION_TICKS, and proved PZS_PROOF_TICKS after the
+ *     last motion of the target; a motion interrupts the pulses. If the target never stands still
+ *     for one and a quarter pulses, no fault is found.
  */
 
 /*
@@ -1816,6 +1817,23 @@ extern const pzs_block_type pzs_selftest_block;
  *     ineffective, the pulses grow to up to four times their height, at most half the voltage
  *     range.
  */
+/*
+ * Longest time until a fault that the readings show well is suspected while the target moves
+ * (ticks): two windows of half a test pulse in which readings are averaged, as a fault may occur in
+ * the middle of the first one.
+ */
+#define PZS_SUSPICION_TICKS(pulse_ticks, delay)                                                    \
+    (2u * ((uint32_t)(pulse_ticks) / 2u + (uint32_t)(delay) + 1u + 4u))
+/*
+ * Duration of a proof (ticks), from the last motion of the target until a suspected electrode is
+ * found faulty by one undisturbed test pulse:
+ *   pulse_ticks / 4 + delay + 1   pause, in which vibration decays
+ *   4                             comparison of mean readings, choice of the electrodes to test
+ *   pulse_ticks + delay + 1       test pulse
+ *   3                             evaluation of the pulse
+ */
+#define PZS_PROOF_TICKS(pulse_ticks, delay)                                                        \
+    ((uint32_t)(pulse_ticks) / 4u + (uint32_t)(pulse_ticks) + 2u * ((uint32_t)(delay) + 1u) + 7u)
 /* Smallest number of sensors with which the fault detector can prove an electrode faulty. */
 #define PZS_PULSE_SENSORS 4u
 
@@ -1861,7 +1879,7 @@ extern const pzs_block_type pzs_pulse_detector_block;
 #define PZS_PULSE_DETECTOR_BLOCK_BYTES(inputs, sensors, outputs)                                   \
     PZS_ALIGNED(PZS_ALIGNED(sizeof(pzs_pulse_detector)) +                                          \
                 sizeof(pzs_real) *                                                                 \
-                    (PZS_DENSE(inputs) + 8u * (size_t)(inputs) + 3u * PZS_FOURS(inputs) +          \
+                    (PZS_DENSE(inputs) + 8u * (size_t)(inputs) + 5u * PZS_FOURS(inputs) +          \
                      6u * (size_t)(sensors) + (size_t)(outputs)) +                                 \
                 sizeof(uint32_t) * ((size_t)(inputs) / PZS_TILE + 2u) +                            \
                 (sizeof(uint16_t) + 3u) * (size_t)(inputs) + (size_t)(sensors))

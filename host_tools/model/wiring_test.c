@@ -15,10 +15,11 @@
 static const double periods = 6, fewest_ticks = 64, most_ticks = 60000;
 
 /*
- * Test pulses of the fault detector in a control loop that damps vibration: height relative to the
- * voltage range of the amplifier, and duration in periods of the first vibration mode.
+ * Test pulses of the fault detector in a control loop that damps vibration: heights relative to the
+ * voltage range of the amplifier, and duration in periods of the first vibration mode. Where the
+ * step limit would make the duration longer, the pulses are lower, down to the smallest height.
  */
-static const double detector_height = 0.1, detector_periods = 3.2;
+static const double detector_height = 0.2, least_height = 0.1, detector_periods = 3.2;
 
 /*
  * Fraction of the voltage range and of the step limit of an amplifier that a test pulse uses at
@@ -201,10 +202,15 @@ bool wiring_test_detector_open(wiring_test *test, const analysis *analysis,
         return false;
     for (int k = 0; k < design->amplifiers; k++) {
         const double range = design->upper[k] - design->lower[k];
-        height[k] = isfinite(range) ? height_of(design, k, detector_height * range) : 0;
-        highest = fmax(highest, height[k]);
+        height[k] = isfinite(range) ? height_of(design, k, least_height * range) : 0;
     }
     test->tables.pulse_ticks = window_of(analysis, height, detector_periods);
+    for (int k = 0; k < design->amplifiers; k++) {
+        const double steps = margin * test->tables.pulse_ticks / 4 * design->step_limit[k];
+        const double raised = fmin(detector_height / least_height * height[k], steps);
+        height[k] = fmax(height[k], raised);
+        highest = fmax(highest, height[k]);
+    }
     if (!(test->tables.gain_tolerance > 0))
         test->tables.gain_tolerance = 1;
     complete_tables(test, design, highest);

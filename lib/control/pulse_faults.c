@@ -15,6 +15,7 @@
 #include "pzs_loop.h"
 #include "control.h"
 #include "hysteresis.h"
+#include "pulse_course.h"
 #include "pulse_fit.h"
 #include "test_pulse.h"
 #include "../core/guard.h"
@@ -41,6 +42,11 @@
 #define LEAST_SHARE PZS_R(0.2)
 #define LEAST_MOVING_SHARE PZS_R(0.3)
 /*
+ * An electrode whose fault would explain at least this part of what the fault of the suspected
+ * electrode explains is tested together with the suspected one, or after it.
+ */
+#define NEXT_SHARE PZS_R(0.3)
+/*
  * Number of independent readings from which on LEAST_SHARE and LEAST_MOVING_SHARE are used
  * unchanged. With fewer readings some electrode explains a large part of any change by chance; both
  * thresholds are then multiplied by
@@ -65,7 +71,7 @@
  * Smallest voltage that an electrode must seem to lack to be suspected of a fault, relative to the
  * height of its test pulse.
  */
-#define NOTICED PZS_R(0.05)
+#define NOTICED PZS_R(0.025)
 /*
  * If the gain of the structure differs from the model, all electrodes seem to lack the same part of
  * their voltage change. This is the largest such part that the fault detector subtracts from the
@@ -99,37 +105,61 @@
 #define WEAK PZS_R(0.75)
 #define REVERSED PZS_R(0.3)
 /*
- * Largest jump of the readings during a test pulse that may prove a fault, divided by the modelled
- * response of the suspected electrode. A smaller jump, as by a load, changes the gain (measured
- * divided by modelled response) by less than 2.4 times this limit.
+ * Largest size of the negative gain of a reversed electrode, as a fraction of the reference gain. A
+ * larger one shows that a load has disturbed the test pulse.
+ */
+#define LARGEST_REVERSED PZS_R(1.7)
+/*
+ * Largest jumps of the readings during a test pulse that may prove a fault, divided by a modelled
+ * response.
+ *   JUMPED            by that of the suspected electrode; if its gain is negative, times 1 plus the
+ *                     size of the gain, as a load must be so much larger to cause it
+ *   REFERENCE_JUMPED  by that of the reference electrode, a healthy one; larger, because its gain
+ *                     need not be accurate
  */
 #define JUMPED PZS_R(0.1)
-/*
- * Largest jump of the readings during a test pulse that may prove a fault, divided by the modelled
- * response of the reference electrode (a healthy one). It is larger than JUMPED, the limit for the
- * suspected electrode, because the gain of the reference electrode need not be accurate.
- */
 #define REFERENCE_JUMPED PZS_R(0.2)
 /*
+ * Largest course error (pulse_course.h) of the suspected electrode in a test pulse that may prove a
+ * fault, as a fraction of the reference gain plus the size of a negative gain. A load that hides a
+ * healthy response and is constant before and after a jump leaves 0.3 or more.
+ */
+#define LARGEST_COURSE PZS_R(0.3)
+/*
+ * Largest error of a gain (measured divided by modelled response) that a load causes which jumps
+ * once during a test pulse, divided by `jumped` (pzs_pulse_response): 2.31 wherever it jumps.
+ */
+#define JUMP_ERROR PZS_R(2.4)
+/*
  * Conditions under which one test pulse proves a fault of the suspected electrode, so that no
- * second pulse is needed. With these numbers the simulations of tests/unit/sweep_faults.c find no
- * healthy electrode faulty. A gain is a measured response divided by the modelled one; the
+ * second pulse is needed. A load that jumps once cannot meet them, because the error that it may
+ * have caused is added to the gain; loads that jump twice in the pulse hardly do. With these
+ * numbers the simulations of tests/unit/sweep_faults.c find no healthy electrode faulty. The
  * reference electrode is a healthy one that is tested at the same time.
- *   SURE              largest gain of the suspected electrode, as a fraction of the reference gain
+ *   SURE              largest size of the gain of the suspected electrode, as a fraction of the
+ *                     reference gain
  *   SURE_REVERSED     if that gain is negative: its smallest size, as a fraction of the reference
  *                     gain
- *   SURE_CALM         largest jump of the readings, divided by JUMPED or REFERENCE_JUMPED
+ *   SURE_COURSE       largest course error (pulse_course.h), as a fraction of the reference gain,
+ *                     plus the size of a negative gain: a load that hides a healthy response has to
+ *                     follow the pulse that closely
  *   SURE_UNEXPLAINED  largest unexplained sum of squares of the measured response, divided by the
  *                     sum of squares of the modelled response
  *   SURE_STRONG       largest gain of the reference electrode; a larger one shows that a load has
- *                     jumped twice, as structures have gains up to 1.33 and one jump adds below
- *                     0.12
+ *                     jumped twice. Structures have gains up to 1.33, vibration of the first mode
+ *                     with the pulse adds up to 18 %, and one jump adds below 0.12
  */
-#define SURE PZS_R(0.1)
+#define SURE PZS_R(0.2)
 #define SURE_REVERSED PZS_R(0.6)
-#define SURE_CALM PZS_R(0.25)
+#define SURE_COURSE PZS_R(0.115)
 #define SURE_UNEXPLAINED PZS_R(0.1)
-#define SURE_STRONG PZS_R(1.45)
+#define SURE_STRONG PZS_R(1.65)
+/*
+ * Two suspected electrodes are tested together if the sensors tell them apart and show both: the
+ * squared sine of the angle between their responses, and the ratio of the squared norms of these
+ * responses, must exceed this number.
+ */
+#define PARTNER PZS_R(0.2)
 /*
  * Number of unsuccessful test pulses after which the test of a suspected electrode ends without a
  * result: disturbed ones, and those to which the reference electrode did not respond.
@@ -161,14 +191,19 @@
  * weighted outputs, m2). The change is counted from the target of the last tick in which the target
  * moved.
  */
-#define STILL PZS_R(64)
+#define STILL PZS_R(256)
 
 /*
- * Activities of the fault detector: WAITING, in which it averages readings until an electrode is
- * suspected; CHOOSING, one tick in which it chooses a healthy electrode with which the suspected
- * one is compared; and PULSING, in which it applies test pulses.
+ * Activities of the fault detector:
+ *   WAITING    it averages readings in a window
+ *   COMPARING  it compares the means with earlier ones, a part of the work in each of three ticks,
+ *              and chooses electrodes that are suspected
+ *   CHOOSING   one tick in which it chooses an electrode with which the suspected one is compared
+ *   PULSING    it applies a test pulse
+ *   JUDGING    some ticks in which it evaluates the pulse, a part of the work in each
  */
-enum { WAITING = 0, CHOOSING, PULSING };
+enum { WAITING = 0, COMPARING, CHOOSING, PULSING, JUDGING };
+
 static pzs_real square(pzs_real number)
 {
     return number * number;
@@ -217,6 +252,8 @@ static void lay_out(pzs_pulse_detector *detector, uint32_t inputs, uint32_t sens
     state->move = take_reals(&next, PZS_FOURS(inputs));
     state->loss = take_reals(&next, PZS_FOURS(inputs));
     state->resolved = take_reals(&next, PZS_FOURS(inputs));
+    state->product[SUSPECT] = take_reals(&next, PZS_FOURS(inputs));
+    state->product[REFERENCE] = take_reals(&next, PZS_FOURS(inputs));
     state->resolution = take_reals(&next, inputs);
     state->last_reading = take_reals(&next, sensors);
     state->first_reading = take_reals(&next, sensors);
@@ -243,10 +280,10 @@ static void repair_phase(pzs_pulse_detector_state *state)
 {
     const uint32_t inputs = state->tables->inputs;
     const bool has_suspect = state->suspect < inputs, has_reference = state->reference < inputs;
-    const bool is_idle = state->phase == WAITING && !has_suspect && !has_reference;
+    const bool is_idle = state->phase <= COMPARING && !has_suspect && !has_reference;
     const bool is_choosing = state->phase == CHOOSING && has_suspect && !state->has_taken;
     const bool is_testing = state->phase != CHOOSING && has_suspect && has_reference;
-    if ((is_idle && !state->has_taken) || is_choosing || (is_testing && state->phase <= PULSING))
+    if ((is_idle && !state->has_taken) || is_choosing || (is_testing && state->phase <= JUDGING))
         return;
     state->suspect = NO_INPUT;
     state->reference = NO_INPUT;
@@ -271,6 +308,8 @@ static void place(pzs_pulse_detector *detector, const pzs_loop_signals *signals)
     guard_repair_bool(&state->has_taken);
     guard_repair_bool(&state->is_grown);
     guard_repair_bool(&state->is_moving);
+    guard_repair_bool(&state->was_moving);
+    guard_repair_bool(&state->response.is_measured);
     state->silent = state->silent < WEAK_PULSES ? state->silent : 0;
     repair_phase(state);
 }
@@ -314,7 +353,7 @@ static void take_readings(pzs_pulse_detector_state *state, const pzs_real *readi
             number_is_finite(reading) && number_absolute(reading) <= READING_LIMIT;
         if (is_usable)
             state->last_reading[i] = reading;
-        else
+        else if (state->phase == WAITING || state->phase == PULSING)
             state->is_missing[i] = 1;
     }
 }
@@ -353,22 +392,39 @@ static weights weights_of(const pzs_pulse_detector_state *state, uint32_t tick)
 }
 
 /*
+ * Add a tick to weighted sums of `count` voltages or readings over the present test pulse or
+ * window: its values minus those of the first tick, times the weights.
+ *   is_first      in      whether the tick is the first one
+ *   first [count] in/out  values of the first tick
+ *   sum [count]   in/out  sums with the weight of the mean
+ *   late [count]  in/out  sums that measure a sudden step
+ */
+static void add_tick(const pzs_real *value, uint32_t count, weights weight, bool is_first,
+                     pzs_real *first, pzs_real *sum, pzs_real *late)
+{
+    if (is_first) {
+        memcpy(first, value, count * sizeof *first);
+        memset(sum, 0, count * sizeof *sum);
+        memset(late, 0, count * sizeof *late);
+    }
+    for (uint32_t i = 0; i < count; i++) {
+        const pzs_real change = value[i] - first[i];
+        sum[i] += weight.mean * change;
+        late[i] += weight.late * change;
+    }
+}
+
+/*
  * Add the present voltages [inputs] to their weighted sums over the present test pulse, or over the
  * present window, a time over which the fault detector averages.
  */
 static void add_voltages(pzs_pulse_detector_state *state, const pzs_real *voltage)
 {
-    const weights weight = weights_of(state, state->position);
-    for (uint32_t j = 0; j < state->tables->inputs; j++) {
-        if (state->position == 0) {
-            state->first_voltage[j] = voltage[j];
-            state->voltage[j] = 0;
-            state->late_voltage[j] = 0;
-        }
-        const pzs_real change = voltage[j] - state->first_voltage[j];
-        state->voltage[j] += weight.mean * change;
-        state->late_voltage[j] += weight.late * change;
-    }
+    const uint32_t tick = state->position;
+    add_tick(voltage, state->tables->inputs, weights_of(state, tick), tick == 0,
+             state->first_voltage, state->voltage, state->late_voltage);
+    if (state->phase == PULSING)
+        pzs_pulse_course_voltages(state, tick, voltage);
 }
 
 /*
@@ -378,17 +434,10 @@ static void add_voltages(pzs_pulse_detector_state *state, const pzs_real *voltag
  */
 static void add_readings(pzs_pulse_detector_state *state, uint32_t tick)
 {
-    const weights weight = weights_of(state, tick);
-    for (uint32_t i = 0; i < state->tables->sensors; i++) {
-        if (tick == 0) {
-            state->first_reading[i] = state->last_reading[i];
-            state->reading[i] = 0;
-            state->late_reading[i] = 0;
-        }
-        const pzs_real change = state->last_reading[i] - state->first_reading[i];
-        state->reading[i] += weight.mean * change;
-        state->late_reading[i] += weight.late * change;
-    }
+    add_tick(state->last_reading, state->tables->sensors, weights_of(state, tick), tick == 0,
+             state->first_reading, state->reading, state->late_reading);
+    if (state->phase == PULSING)
+        pzs_pulse_course_readings(state, tick);
 }
 
 /*
@@ -509,6 +558,25 @@ static void begin_pulses(pzs_pulse_detector_state *state)
 }
 
 /*
+ * Give the next test pulses of both electrodes under test the opposite sign: a load that has hidden
+ * the response to one pulse, by chance or because it returns with the period of the pulses, does
+ * not hide that to the next one as well. Where the voltage limits do not allow the full height, the
+ * pulse is lower, but at least as high as in the tables; otherwise it keeps its sign.
+ */
+static void turn_pulses(pzs_pulse_detector_state *state)
+{
+    const pzs_problem *problem = state->control->state.problem;
+    for (uint32_t k = 0; k < 2; k++) {
+        const uint32_t j = tested_input(state, k);
+        const pzs_real start = state->start[k];
+        const pzs_real top =
+            number_clamp(start - state->height[k], problem->lower[j], problem->upper[j]);
+        if (number_absolute(top - start) >= state->tables->amplitude[j])
+            state->height[k] = top - start;
+    }
+}
+
+/*
  * Let the controller choose the voltage of an electrode under test again, unless the program has
  * called pzs_hold or pzs_release for it meanwhile.
  *   number in  0: suspected electrode; 1: healthy electrode with which it is compared
@@ -565,11 +633,20 @@ static void set_test_voltages(pzs_pulse_detector_state *state)
     for (uint32_t k = 0; k < 2 && state->has_taken; k++) {
         const uint32_t j = tested_input(state, k);
         const pzs_real place = test_pulse_place(state->position, ticks);
-        const pzs_real pulse = state->position < ticks ? test_pulse_at(place) : 0;
+        const bool is_pulsing = state->phase == PULSING && state->position < ticks;
+        const pzs_real pulse = is_pulsing ? test_pulse_at(place) : 0;
         const pzs_real voltage = state->start[k] + state->height[k] * pulse;
         state->set[k] = number_clamp(voltage, problem->lower[j], problem->upper[j]);
         set_voltage(state->control, j, state->set[k]);
     }
+}
+
+/* Exchange the numbers of the two electrodes under test. */
+static void exchange(pzs_real pair[2])
+{
+    const pzs_real first = pair[0];
+    pair[0] = pair[1];
+    pair[1] = first;
 }
 
 /* ---- suspicion ------------------------------------------------------------ */
@@ -754,41 +831,86 @@ static bool may_be_suspected(const pzs_pulse_detector_state *state, uint32_t j)
     return (is_observed || (is_cleared && is_worse)) && !is_held(state->control, j);
 }
 
+/* Forget all candidates for a test. */
+static void clear_candidates(pzs_pulse_detector_state *state)
+{
+    for (uint32_t k = 0; k < PZS_PULSE_CANDIDATES; k++)
+        state->candidate[k] = NO_INPUT;
+}
+
 /*
- * Return the electrode whose fault explains the largest part of the change of the readings
- * (share_of), or NO_INPUT if no electrode is suspected.
- *   rest  in  part of the change that no voltage errors explain, the result of find_losses (V2)
+ * Insert electrode j into the list of candidates for a test, which is sorted by the part of the
+ * change of the readings that their faults would explain.
+ *   share [PZS_PULSE_CANDIDATES] in/out  these parts; 0: no candidate
+ */
+static void insert_candidate(pzs_pulse_detector_state *state, uint32_t j, pzs_real part,
+                             pzs_real *share)
+{
+    uint32_t k = PZS_PULSE_CANDIDATES;
+    for (; k > 0 && part > share[k - 1u]; k--) {
+        if (k == PZS_PULSE_CANDIDATES)
+            continue;
+        share[k] = share[k - 1u];
+        state->candidate[k] = state->candidate[k - 1u];
+    }
+    if (k == PZS_PULSE_CANDIDATES)
+        return;
+    share[k] = part;
+    state->candidate[k] = (uint16_t)j;
+}
+
+/*
+ * Store three numbers of each candidate that distinguish a dead from a stuck electrode: voltage,
+ * change of the voltage, and voltage error (voltage that the readings show minus the given one).
+ */
+static void store_losses(pzs_pulse_detector_state *state, const loss_sums *sums)
+{
+    for (uint32_t k = 0; k < PZS_PULSE_CANDIDATES; k++) {
+        const uint32_t j = state->candidate[k];
+        if (j >= state->tables->inputs)
+            continue;
+        const own_loss own = own_loss_of(state, j, sums);
+        state->mean_voltage[k] = (1 + own.common) * state->first_voltage[j];
+        state->mean_move[k] = (1 + own.common) * state->move[j];
+        state->mean_loss[k] = own.lost;
+        state->common = k == 0 ? own.common : state->common;
+    }
+}
+
+/*
+ * Find the electrode whose fault explains the largest part of the change of the readings
+ * (share_of), and others whose faults explain nearly as much: the candidates for a test. Returns
+ * the first one, or NO_INPUT if no electrode is suspected.
  *   least in  smallest part that makes an electrode suspected (dimensionless)
  */
-static uint32_t find_suspect(const pzs_pulse_detector_state *state, pzs_real rest, pzs_real least)
+static uint32_t find_suspects(pzs_pulse_detector_state *state, pzs_real least)
 {
     const loss_sums sums = sum_losses(state);
-    pzs_real largest = least;
-    uint32_t suspect = NO_INPUT;
-    for (uint32_t j = 0; j < state->tables->inputs; j++) {
-        const pzs_real share = may_be_suspected(state, j) ? share_of(state, j, &sums, rest) : 0;
-        if (share > largest) {
-            largest = share;
-            suspect = j;
-        }
-    }
-    return suspect;
+    pzs_real share[PZS_PULSE_CANDIDATES] = {0};
+    clear_candidates(state);
+    for (uint32_t j = 0; j < state->tables->inputs; j++)
+        if (may_be_suspected(state, j))
+            insert_candidate(state, j, share_of(state, j, &sums, state->rest), share);
+    for (uint32_t k = 0; k < PZS_PULSE_CANDIDATES; k++)
+        if (!(share[0] > least) || !(share[k] > NEXT_SHARE * share[0]))
+            state->candidate[k] = NO_INPUT;
+    store_losses(state, &sums);
+    return state->candidate[0];
 }
 
 /*
  * Compute, for each electrode, a scalar product of two vectors of scaled readings that the model
- * predicts (1/V2): for 1 V on this electrode, and for 1 V on electrode `suspect`. The results are
- * in the array `resolved` [inputs].
+ * predicts (1/V2): for 1 V on this electrode, and for 1 V on electrode `input`.
+ *   number in  row of state->product for the results: SUSPECT or REFERENCE
  */
-static void compare_shapes(pzs_pulse_detector_state *state, uint32_t suspect)
+static void compare_shapes(pzs_pulse_detector_state *state, uint32_t number, uint32_t input)
 {
     const pzs_selftest_tables *tables = state->tables;
     pzs_real *weighted = state->reading;
     for (uint32_t i = 0; i < tables->sensors; i++)
-        weighted[i] =
-            square(tables->scale[i]) * state->direct[(size_t)i * tables->inputs + suspect];
-    pzs_product_sum_rows(state->resolved, state->direct, tables->inputs, weighted, tables->sensors,
-                         tables->inputs);
+        weighted[i] = square(tables->scale[i]) * state->direct[(size_t)i * tables->inputs + input];
+    pzs_product_sum_rows(state->product[number], state->direct, tables->inputs, weighted,
+                         tables->sensors, tables->inputs);
 }
 
 /*
@@ -798,7 +920,8 @@ static void compare_shapes(pzs_pulse_detector_state *state, uint32_t suspect)
  */
 static pzs_real distinctness(const pzs_pulse_detector_state *state, uint32_t j, uint32_t suspect)
 {
-    return 1 - square(state->resolved[j]) / (state->diagonal[j] * state->diagonal[suspect]);
+    const pzs_real product = state->product[SUSPECT][j];
+    return 1 - square(product) / (state->diagonal[j] * state->diagonal[suspect]);
 }
 
 /*
@@ -809,7 +932,6 @@ static pzs_real distinctness(const pzs_pulse_detector_state *state, uint32_t j, 
 static uint32_t find_reference(pzs_pulse_detector_state *state, uint32_t but)
 {
     const uint32_t suspect = state->suspect;
-    compare_shapes(state, suspect);
     const pzs_real own = state->diagonal[suspect] * square(state->tables->amplitude[suspect]);
     pzs_real largest = 0;
     uint32_t reference = NO_INPUT;
@@ -837,14 +959,34 @@ static uint32_t find_reference(pzs_pulse_detector_state *state, uint32_t but)
 }
 
 /*
- * Whether the voltage of any electrode has moved away from its base voltage by more than twice the
- * height of its test pulse. Base voltages are the mean voltages of an earlier interval in which the
+ * Return another candidate that can be tested together with the suspected electrode, or NO_INPUT:
+ * the sensors must tell both apart, and show both about equally well.
+ */
+static uint32_t find_partner(pzs_pulse_detector_state *state)
+{
+    const uint32_t suspect = state->suspect;
+    const pzs_real own = state->diagonal[suspect] * square(state->tables->amplitude[suspect]);
+    for (uint32_t k = 0; k < PZS_PULSE_CANDIDATES; k++) {
+        const uint32_t j = state->candidate[k];
+        if (j >= state->tables->inputs || j == suspect || !may_be_suspected(state, j))
+            continue;
+        const pzs_real ratio = state->diagonal[j] * square(state->tables->amplitude[j]) / own;
+        const pzs_real likeness = ratio > 1 ? 1 / ratio : ratio;
+        if (distinctness(state, j, suspect) > PARTNER && likeness > PARTNER)
+            return j;
+    }
+    return NO_INPUT;
+}
+
+/*
+ * Whether the voltage of any electrode has moved away from its base voltage by more than the height
+ * of its test pulse. Base voltages are the mean voltages of an earlier interval in which the
  * target stood still; set_base stores them.
  */
 static bool has_moved(const pzs_pulse_detector_state *state)
 {
     for (uint32_t j = 0; j < state->tables->inputs; j++)
-        if (number_absolute(state->move[j]) > 2 * state->tables->amplitude[j])
+        if (number_absolute(state->move[j]) > state->tables->amplitude[j])
             return true;
     return false;
 }
@@ -888,41 +1030,14 @@ static void end_proof(pzs_pulse_detector_state *state)
     release_electrodes(state);
     state->suspect = NO_INPUT;
     state->reference = NO_INPUT;
+    clear_candidates(state);
     begin(state, WAITING);
 }
 
 /*
- * End the test of a suspected electrode that is not faulty, or whose test gave no result. The
- * electrode is not suspected during a fixed number of further windows, in which readings are
- * averaged.
- */
-static void clear_suspect(pzs_pulse_detector_state *state)
-{
-    const uint32_t suspect = state->suspect;
-    end_proof(state);
-    state->electrode[suspect] = PZS_ELECTRODE_CLEARED;
-    state->pause[suspect] = CLEARED_WINDOWS;
-}
-
-/*
- * Store three numbers that distinguish a dead from a stuck electrode: voltage, change of the
- * voltage, and voltage error (voltage that the readings show minus the given one) of the suspected
- * electrode.
- */
-static void store_loss(pzs_pulse_detector_state *state)
-{
-    const uint32_t suspect = state->suspect;
-    const loss_sums sums = sum_losses(state);
-    const own_loss own = own_loss_of(state, suspect, &sums);
-    state->suspect_voltage = (1 + own.common) * state->first_voltage[suspect];
-    state->suspect_move = (1 + own.common) * state->move[suspect];
-    state->suspect_loss = own.lost;
-}
-
-/*
- * Suspect an electrode of a fault. The next tick chooses a healthy electrode with which the
- * responses to test pulses are compared.
- *   is_moving in  whether the target moved in the last window, in which readings were averaged
+ * Suspect an electrode of a fault. The next tick chooses an electrode with which the responses to
+ * test pulses are compared.
+ *   is_moving in  whether the target has moved, so that vibration must decay before the test
  */
 static void begin_suspicion(pzs_pulse_detector_state *state, uint32_t suspect, bool is_moving)
 {
@@ -930,21 +1045,65 @@ static void begin_suspicion(pzs_pulse_detector_state *state, uint32_t suspect, b
     state->is_moving = is_moving;
     state->suspect = (uint16_t)suspect;
     state->reference = NO_INPUT;
-    store_loss(state);
-    state->cleared_loss[suspect] = number_absolute(state->loss[suspect]);
     state->tries = 0;
     state->is_grown = false;
 }
 
 /*
- * Choose the reference electrode, a healthy one with which the suspected electrode is compared; if
- * there was one before, another one. If there is none, the test ends. Otherwise the test pulses
- * begin: at once, or if the target is moving, when it stands still.
+ * Remove an electrode from the candidates for a test. The electrode is not suspected during a fixed
+ * number of further windows, in which readings are averaged, unless it seems to lack much more.
+ */
+static void clear_electrode(pzs_pulse_detector_state *state, uint32_t j)
+{
+    state->electrode[j] = PZS_ELECTRODE_CLEARED;
+    state->pause[j] = CLEARED_WINDOWS;
+    state->cleared_loss[j] = number_absolute(state->loss[j]);
+    for (uint32_t k = 0; k < PZS_PULSE_CANDIDATES; k++)
+        if (state->candidate[k] == j)
+            state->candidate[k] = NO_INPUT;
+}
+
+/*
+ * End the test of a suspected electrode that is not faulty, or whose test gave no result.
+ *   is_healthy in  whether the test has shown that both electrodes under test respond
+ */
+static void clear_suspect(pzs_pulse_detector_state *state, bool is_healthy)
+{
+    const uint32_t suspect = state->suspect, reference = state->reference;
+    release_electrodes(state);
+    clear_electrode(state, suspect);
+    for (uint32_t k = 0; k < PZS_PULSE_CANDIDATES && is_healthy; k++)
+        if (state->candidate[k] == reference)
+            clear_electrode(state, reference);
+    end_proof(state);
+}
+
+/*
+ * Store the three numbers of the reference electrode that distinguish a dead from a stuck electrode
+ * (store_losses): it may turn out to be the faulty one of the two.
+ */
+static void store_reference(pzs_pulse_detector_state *state)
+{
+    const uint32_t j = state->reference, last = PZS_PULSE_CANDIDATES;
+    const pzs_real common = state->common;
+    state->mean_voltage[last] = (1 + common) * state->first_voltage[j];
+    state->mean_move[last] = (1 + common) * state->move[j];
+    state->mean_loss[last] = state->loss[j] / state->resolution[j] - common * state->move[j];
+}
+
+/*
+ * Choose the reference electrode, with which the suspected electrode is compared; if there was one
+ * before, another one. Preferred is another candidate, so that one pulse tests two of them. If
+ * there is none, the test ends. Otherwise the test pulses begin: at once, or if the target is
+ * moving, when it stands still.
  */
 static void choose_reference(pzs_pulse_detector *detector)
 {
     pzs_pulse_detector_state *state = &detector->state;
-    const uint32_t before = state->reference, next = find_reference(state, before);
+    const uint32_t before = state->reference;
+    compare_shapes(state, SUSPECT, state->suspect);
+    const uint32_t partner = before == NO_INPUT ? find_partner(state) : NO_INPUT;
+    const uint32_t next = partner != NO_INPUT ? partner : find_reference(state, before);
     const bool is_moving = state->is_moving;
     if (next != NO_INPUT)
         state->reference = (uint16_t)next;
@@ -953,11 +1112,14 @@ static void choose_reference(pzs_pulse_detector *detector)
         return;
     }
     if (before == NO_INPUT)
-        detector->info.tests++;
-    if (is_moving)
+        store_reference(state);
+    if (is_moving) {
         begin(state, WAITING);
-    else
-        begin_pulses(state);
+        return;
+    }
+    compare_shapes(state, REFERENCE, state->reference);
+    detector->info.tests = (uint16_t)(detector->info.tests + (before == NO_INPUT ? 1u : 0u));
+    begin_pulses(state);
 }
 
 /*
@@ -978,17 +1140,30 @@ static void hold_electrode(pzs_pulse_detector *detector, pzs_electrode_fault fau
 }
 
 /*
+ * Return the number of the suspected electrode in the list of candidates; PZS_PULSE_CANDIDATES if
+ * it was the reference electrode of another one that has responded.
+ */
+static uint32_t candidate_number(const pzs_pulse_detector_state *state)
+{
+    uint32_t k = 0;
+    while (k < PZS_PULSE_CANDIDATES && state->candidate[k] != state->suspect)
+        k++;
+    return k;
+}
+
+/*
  * Return whether the suspected electrode is dead, stuck or reversed. This follows from its gain
  * (measured divided by modelled response) and from its voltage error before the test, which is the
  * voltage that the readings showed minus the given one.
  */
 static pzs_electrode_fault fault_of(const pzs_pulse_detector_state *state,
-                                    const pulse_response *response)
+                                    const pzs_pulse_response *response)
 {
     if (-response->gain[SUSPECT] > REVERSED * response->gain[REFERENCE])
         return PZS_FAULT_REVERSED;
-    const pzs_real dead = number_absolute(state->suspect_loss + state->suspect_voltage);
-    const pzs_real stuck = number_absolute(state->suspect_loss + state->suspect_move);
+    const uint32_t k = candidate_number(state);
+    const pzs_real dead = number_absolute(state->mean_loss[k] + state->mean_voltage[k]);
+    const pzs_real stuck = number_absolute(state->mean_loss[k] + state->mean_move[k]);
     return dead < stuck ? PZS_FAULT_DEAD : PZS_FAULT_STUCK;
 }
 
@@ -1014,22 +1189,73 @@ static uint32_t silent_pulses(const pzs_pulse_detector_state *state, pzs_real re
     return state->compensator == NULL && reference < WEAK ? WEAK_PULSES : SILENT_PULSES;
 }
 
-/*
- * Whether one test pulse alone proves that the suspected electrode is faulty: the pulse is the
- * first one, nothing has disturbed it, the reference electrode (a healthy one) has responded in
- * full and not too much, and the suspected electrode not at all or with the wrong sign.
- */
-static bool is_sure(const pzs_pulse_detector_state *state, const pulse_response *response)
+/* Whether a disturbance of a test pulse shows that could have hidden a healthy response. */
+static bool is_disturbed(const pzs_pulse_response *response)
 {
     const pzs_real gain = response->gain[SUSPECT], reference = response->gain[REFERENCE];
-    const bool is_calm =
-        number_absolute(response->jumped[SUSPECT]) <= SURE_CALM * JUMPED &&
-        number_absolute(response->jumped[REFERENCE]) <= SURE_CALM * REFERENCE_JUMPED &&
-        response->unexplained <= SURE_UNEXPLAINED;
+    const pzs_real negative = gain < 0 ? -gain : 0;
+    const bool is_steady =
+        negative <= LARGEST_REVERSED * reference &&
+        number_absolute(response->jumped[SUSPECT]) <= JUMPED * (1 + negative) &&
+        number_absolute(response->jumped[REFERENCE]) <= REFERENCE_JUMPED &&
+        response->course_error[SUSPECT] <= LARGEST_COURSE * (reference + negative);
+    return !is_steady;
+}
+
+/*
+ * Whether one test pulse alone proves that the suspected electrode is faulty: the readings had led
+ * to the suspicion, the reference electrode (a healthy one) has responded in full and not too much,
+ * the suspected electrode not at all or with the wrong sign, and no disturbance shows that could
+ * have hidden its response.
+ */
+static bool is_sure(const pzs_pulse_detector_state *state, const pzs_pulse_response *response)
+{
+    const pzs_real gain = response->gain[SUSPECT], reference = response->gain[REFERENCE];
+    const pzs_real jumped = number_absolute(response->jumped[SUSPECT]);
+    const pzs_real shaken = number_absolute(response->jumped[REFERENCE]);
+    const pzs_real negative = gain < 0 ? -gain : 0;
+    const bool is_calm = response->course_error[SUSPECT] <= SURE_COURSE * (reference + negative) &&
+                         shaken <= REFERENCE_JUMPED / 2 &&
+                         response->unexplained <= SURE_UNEXPLAINED;
+    const bool is_silent = number_absolute(gain) < SURE * reference;
+    const bool is_reversed =
+        -gain > SURE_REVERSED * reference && -gain <= LARGEST_REVERSED * reference;
     const bool is_clear =
-        number_absolute(gain) < SURE * reference || -gain > SURE_REVERSED * reference;
-    return is_calm && is_clear && state->tries == 0 && reference >= WEAK &&
-           reference <= SURE_STRONG;
+        (is_silent || is_reversed) && gain + JUMP_ERROR * jumped < SILENT * reference;
+    const bool was_suspected = candidate_number(state) < PZS_PULSE_CANDIDATES;
+    return was_suspected && is_calm && is_clear && reference >= WEAK && reference <= SURE_STRONG;
+}
+
+/* Whether the suspected electrode has responded in a test pulse, and the reference electrode not.
+ */
+static bool is_reference_silent(const pzs_pulse_response *response)
+{
+    const pzs_real gain = response->gain[SUSPECT], reference = response->gain[REFERENCE];
+    return gain >= LEAST_REFERENCE && reference < SILENT * gain;
+}
+
+/*
+ * Exchange the electrodes under test: the reference electrode has not responded, unlike the
+ * suspected one, which takes its place.
+ */
+static void exchange_electrodes(pzs_pulse_detector_state *state)
+{
+    pzs_pulse_response *response = &state->response;
+    const uint16_t suspect = state->suspect;
+    state->suspect = state->reference;
+    state->reference = suspect;
+    exchange(state->start);
+    exchange(state->set);
+    exchange(state->height);
+    exchange(response->gain);
+    exchange(response->jumped);
+    exchange(response->course_error);
+    for (uint32_t j = 0; j < state->tables->inputs; j++) {
+        const pzs_real product = state->product[SUSPECT][j];
+        state->product[SUSPECT][j] = state->product[REFERENCE][j];
+        state->product[REFERENCE][j] = product;
+    }
+    state->silent = 0;
 }
 
 /*
@@ -1038,13 +1264,11 @@ static bool is_sure(const pzs_pulse_detector_state *state, const pulse_response 
  * counts as a fault only if the gain of the reference electrode is large. Returns the input that
  * was found faulty, or NO_INPUT.
  */
-static uint32_t judge_response(pzs_pulse_detector *detector, const pulse_response *response)
+static uint32_t judge_response(pzs_pulse_detector *detector, const pzs_pulse_response *response)
 {
     pzs_pulse_detector_state *state = &detector->state;
     const uint32_t suspect = state->suspect;
     const pzs_real gain = response->gain[SUSPECT], reference = response->gain[REFERENCE];
-    const bool has_jumped = !(number_absolute(response->jumped[SUSPECT]) <= JUMPED &&
-                              number_absolute(response->jumped[REFERENCE]) <= REFERENCE_JUMPED);
     if (!(gain < PASSED)) {
         state->tries = MOST_TRIES;
     } else if (reference < LEAST_REFERENCE) {
@@ -1056,12 +1280,14 @@ static uint32_t judge_response(pzs_pulse_detector *detector, const pulse_respons
             change_reference(state);
     } else if (!(gain < SILENT * reference)) {
         state->tries = MOST_TRIES;
-    } else if (has_jumped) {
+    } else if (is_disturbed(response) && !is_sure(state, response)) {
         state->tries++;
         state->silent = 0;
     } else if (++state->silent >= silent_pulses(state, reference) || is_sure(state, response)) {
         hold_electrode(detector, fault_of(state, response));
         return suspect;
+    } else {
+        turn_pulses(state);
     }
     return NO_INPUT;
 }
@@ -1081,23 +1307,49 @@ static void repeat_disturbed(pzs_pulse_detector_state *state)
 }
 
 /*
- * Evaluate a test pulse, and decide what follows: the next pulse, or the end of the test of the
- * suspected electrode. Returns the input that was found faulty, or NO_INPUT if there is none.
+ * Make one tick of the measurement of a test pulse: compute the gains of both electrodes under test
+ * (measured divided by modelled response), or search for disturbances. Returns whether the
+ * measurement has ended.
+ */
+static bool has_measured(pzs_pulse_detector_state *state)
+{
+    const uint32_t tick = state->position++;
+    if (tick == 0) {
+        memset(&state->response, 0, sizeof state->response);
+        if (has_enough(state))
+            pzs_pulse_measure(state);
+        return false;
+    }
+    if (tick > 1 || !state->response.is_measured)
+        return true;
+    pzs_pulse_find_jumps(state);
+    pzs_pulse_course_errors(state);
+    return false;
+}
+
+/*
+ * Make one tick of the evaluation of a test pulse: measure its response, or decide what follows,
+ * the next pulse or the end of the test of the suspected electrode. Returns the input that was
+ * found faulty, or NO_INPUT if there is none.
  */
 static uint32_t judge(pzs_pulse_detector *detector)
 {
     pzs_pulse_detector_state *state = &detector->state;
-    const pulse_response none = {{0, 0}, {0, 0}, 0, false};
-    const pulse_response response = has_enough(state) ? pzs_pulse_response(state) : none;
+    const pzs_pulse_response *response = &state->response;
     uint32_t found = NO_INPUT;
-    detector->info.gain = response.gain[SUSPECT];
+    if (!has_measured(state))
+        return NO_INPUT;
+    detector->info.gain = response->gain[SUSPECT];
     begin(state, PULSING);
-    if (response.is_measured)
-        found = judge_response(detector, &response);
+    if (response->is_measured && is_reference_silent(response))
+        exchange_electrodes(state);
+    if (response->is_measured)
+        found = judge_response(detector, response);
     else
         repeat_disturbed(state);
     if (found == NO_INPUT && state->tries >= MOST_TRIES)
-        clear_suspect(state);
+        clear_suspect(state,
+                      response->gain[SUSPECT] >= PASSED && response->gain[REFERENCE] >= PASSED);
     return found;
 }
 
@@ -1122,58 +1374,79 @@ static void update_states(pzs_pulse_detector_state *state)
 }
 
 /*
- * After a motion of the target has ended, begin the test pulses of the suspected electrode. First
- * estimate again the voltage that it lacks: the estimate that led to the suspicion may be too
- * small, because the fault may have occurred in the middle of the averaging time.
+ * Choose electrodes to be tested, after the means of a window have been compared with earlier ones.
+ * If an electrode is already suspected, the window let vibration decay after a motion of the
+ * target: if no electrode is suspected now, the earlier suspicion stands, and the test pulses
+ * begin.
  */
-static void resume_proof(pzs_pulse_detector_state *state)
+static void end_comparison(pzs_pulse_detector_state *state)
 {
-    if (is_held(state->control, state->suspect) || is_held(state->control, state->reference)) {
-        end_proof(state);
+    const bool has_moved_now = state->is_moving, was_moving = state->was_moving;
+    resolve_moves(state);
+    const pzs_real least = was_moving ? LEAST_MOVING_SHARE : LEAST_SHARE;
+    const uint32_t before = state->suspect;
+    const uint32_t suspect = find_suspects(state, least * state->share_factor);
+    if (suspect != NO_INPUT) {
+        begin_suspicion(state, suspect, before == NO_INPUT && (was_moving || has_moved_now));
         return;
     }
-    if (has_enough(state) && state->has_base) {
-        find_means(state);
-        compare_means(state);
-        (void)find_losses(state);
-        resolve_moves(state);
-        store_loss(state);
+    if (before != NO_INPUT) {
+        const loss_sums sums = sum_losses(state);
+        state->candidate[0] = (uint16_t)before;
+        store_losses(state, &sums);
+        begin_suspicion(state, before, false);
+        return;
     }
-    begin_pulses(state);
+    // Store the means of this window for later comparison. This also replaces stored means that
+    // damaged memory has made infinite or NaN.
+    if (!was_moving && (has_moved(state) || !number_is_finite(state->rest)))
+        set_base(state);
+    begin(state, WAITING);
+    state->is_moving = has_moved_now;
 }
 
 /*
- * At the end of a window, evaluate the mean readings and choose an electrode to be tested. If an
- * electrode is already suspected, the window only let vibration decay, and the test pulses begin.
+ * Make one tick of the comparison of the means of a window with those of an earlier interval in
+ * which the target stood still.
+ */
+static void compare(pzs_pulse_detector_state *state)
+{
+    switch (state->position++) {
+    case 0: compare_means(state); break;
+    case 1: state->rest = find_losses(state); break;
+    default: end_comparison(state);
+    }
+}
+
+/*
+ * At the end of a window, compute the mean readings. The following ticks compare them with those of
+ * an earlier interval in which the target stood still, if there is one. If an electrode is already
+ * suspected and nothing can be compared, its test pulses begin.
  */
 static void end_window(pzs_pulse_detector_state *state)
 {
-    const bool is_moving = state->is_moving;
+    const bool is_moving = state->is_moving, has_suspect = state->suspect != NO_INPUT;
+    const bool is_usable = has_enough(state);
+    if (has_suspect &&
+        (is_held(state->control, state->suspect) || is_held(state->control, state->reference))) {
+        end_proof(state);
+        return;
+    }
+    if (is_usable) {
+        find_means(state);
+        if (!has_suspect)
+            update_states(state);
+    }
+    if (is_usable && state->has_base) {
+        begin(state, COMPARING);
+        state->was_moving = is_moving;
+        return;
+    }
+    if (is_usable && !has_suspect && !is_moving)
+        set_base(state);
     begin(state, WAITING);
-    if (state->suspect != NO_INPUT) {
-        resume_proof(state);
-        return;
-    }
-    if (!has_enough(state))
-        return;
-    find_means(state);
-    update_states(state);
-    if (!state->has_base) {
-        if (!is_moving)
-            set_base(state);
-        return;
-    }
-    compare_means(state);
-    const pzs_real rest = find_losses(state);
-    resolve_moves(state);
-    const pzs_real least = is_moving ? LEAST_MOVING_SHARE : LEAST_SHARE;
-    const uint32_t suspect = find_suspect(state, rest, least * state->share_factor);
-    if (suspect != NO_INPUT)
-        begin_suspicion(state, suspect, is_moving);
-    else if (!is_moving && (has_moved(state) || !number_is_finite(rest)))
-        set_base(state); /* The means of this window (time over which readings are averaged) are
-                            stored for later comparison. This also replaces stored means that
-                            damaged memory has made infinite or NaN. */
+    if (has_suspect)
+        begin_suspicion(state, state->suspect, false);
 }
 
 /*
@@ -1188,11 +1461,17 @@ static uint32_t run_phase(pzs_pulse_detector *detector, const pzs_real *voltage)
         choose_reference(detector);
         return NO_INPUT;
     }
+    if (state->phase == JUDGING)
+        return judge(detector);
+    if (state->phase == COMPARING) {
+        compare(state);
+        return NO_INPUT;
+    }
     const bool has_ended = measure(state, voltage);
     state->position++;
     if (has_ended && state->phase == PULSING)
-        return judge(detector);
-    if (has_ended)
+        begin(state, JUDGING);
+    else if (has_ended)
         end_window(state);
     return NO_INPUT;
 }
@@ -1279,7 +1558,7 @@ static bool can_be_tested(pzs_pulse_detector_state *state, uint32_t j)
     if (!(tables->amplitude[j] > 0) || !(state->diagonal[j] > 0) ||
         tables->sensors < PZS_PULSE_SENSORS || !(state->resolution[j] > LEAST_RESOLUTION))
         return false;
-    compare_shapes(state, j);
+    compare_shapes(state, SUSPECT, j);
     for (uint32_t k = 0; k < tables->inputs; k++)
         if (tables->amplitude[k] > 0 && state->diagonal[k] > 0 &&
             distinctness(state, k, j) > PZS_PULSE_DEPENDENT)
@@ -1337,6 +1616,7 @@ static pzs_status block_init(void *self, const void *tables, pzs_loop_signals *s
         return PZS_E_ARGUMENT;
     memset(detector, 0, block_bytes(tables, problem));
     detector->state.suspect = NO_INPUT;
+    clear_candidates(&detector->state);
     place(detector, signals);
     detector->info.where = -1;
     if (!factor_matrix(&detector->state))

@@ -24,38 +24,12 @@
  * Columns of the least-squares fit of the readings during a test pulse: modelled responses to the
  * suspected electrode (SUSPECT), to a healthy electrode (REFERENCE), and to all other electrodes.
  */
-enum { OTHERS = 2, COLUMNS };
+enum { OTHERS = PZS_PULSE_OTHERS, COLUMNS = PZS_PULSE_COLUMNS };
 
 static pzs_real square(pzs_real number)
 {
     return number * number;
 }
-
-/*
- * Least-squares fit of the measured response to a test pulse (changes of the readings, each times
- * the scale factor of its sensor, so that they are numbers without unit) by three modelled
- * responses: to the suspected electrode, to the healthy reference electrode, and to all other
- * electrodes.
- */
-typedef struct pulse_fit {
-    pzs_real matrix[COLUMNS][COLUMNS]; /* lower triangle of the matrix of scalar products over the
-                                          sensors (dimensionless) between three modelled responses:
-                                          to the suspected electrode, to the healthy one and to all
-                                          others. After the factorisation: its L D L^T factors */
-    pzs_real response[COLUMNS]; /* three scalar products over the sensors (dimensionless): of the
-                                   measured response to a test pulse with the modelled responses to
-                                   the suspected electrode, to the healthy one and to all others.
-                                   After the solution: the three gains (measured divided by modelled
-                                   response) */
-    /*
-     * squared norm over the sensors of the modelled response to the suspected electrode
-     * (dimensionless); a response is the change of a reading times the scale factor of its sensor
-     */
-    pzs_real own;
-    pzs_real energy; /* squared norm over the sensors of the measured response to a test pulse
-                        (dimensionless); a response is the change of a reading times the scale
-                        factor of its sensor */
-} pulse_fit;
 
 /*
  * Set column[COLUMNS] to the responses of sensor i that the model predicts, times the scale of the
@@ -77,10 +51,10 @@ static void model_responses(const pzs_pulse_detector_state *state, uint32_t i,
  * during a test pulse: to the suspected electrode, to the reference electrode, and to all others,
  * whose voltages the controller goes on to change.
  */
-static pulse_fit compare_pulse(pzs_pulse_detector_state *state)
+static pzs_pulse_fit compare_pulse(pzs_pulse_detector_state *state)
 {
     const pzs_selftest_tables *tables = state->tables;
-    pulse_fit fit = {{{0}}, {0}, 0, 0};
+    pzs_pulse_fit fit = {{{0}}, {0}, 0, 0};
     memcpy(state->move, state->voltage, tables->inputs * sizeof *state->move);
     state->move[state->suspect] = 0;
     state->move[state->reference] = 0;
@@ -113,7 +87,7 @@ static pulse_fit compare_pulse(pzs_pulse_detector_state *state)
  * whether the modelled responses to the two electrodes with a pulse (the suspected one and a
  * healthy one) are independent of each other.
  */
-static bool factor_fit(pulse_fit *fit)
+static bool factor_fit(pzs_pulse_fit *fit)
 {
     for (uint32_t k = 0; k < COLUMNS; k++) {
         const pzs_real diagonal = fit->matrix[k][k];
@@ -134,7 +108,7 @@ static bool factor_fit(pulse_fit *fit)
  * responses in the least-squares fit of a test pulse.
  *   response [count] in/out  scalar products of the measured with the modelled responses; gains
  */
-static void solve_fit(const pulse_fit *fit, pzs_real *response, uint32_t count)
+static void solve_fit(const pzs_pulse_fit *fit, pzs_real *response, uint32_t count)
 {
     for (uint32_t k = 0; k < count; k++)
         for (uint32_t j = 0; j < k; j++)
@@ -146,21 +120,17 @@ static void solve_fit(const pulse_fit *fit, pzs_real *response, uint32_t count)
     }
 }
 
-/*
- * Compute by how much the readings have jumped during a test pulse, as a multiple of the modelled
- * response to each of the two electrodes with a pulse (the suspected one and a healthy one). Jumps
- * that the voltages explain, with the measured gains of the electrodes, are subtracted before.
- */
-static void find_jumps(pzs_pulse_detector_state *state, const pulse_fit *fit,
-                       pulse_response *result)
+void pzs_pulse_find_jumps(pzs_pulse_detector_state *state)
 {
     const pzs_selftest_tables *tables = state->tables;
+    const pzs_pulse_fit *fit = &state->fit;
+    pzs_real *jumped = state->response.jumped;
     for (uint32_t j = 0; j < tables->inputs; j++)
         state->move[j] = fit->response[OTHERS] * state->late_voltage[j];
     for (uint32_t k = 0; k < 2; k++) {
         const uint32_t j = tested_input(state, k);
         state->move[j] = fit->response[k] * state->late_voltage[j];
-        result->jumped[k] = 0;
+        jumped[k] = 0;
     }
     pzs_product_matrix(state->difference, state->direct, state->move, tables->sensors,
                        tables->inputs);
@@ -169,25 +139,25 @@ static void find_jumps(pzs_pulse_detector_state *state, const pulse_fit *fit,
         model_responses(state, i, column);
         const pzs_real jump = tables->scale[i] * (state->late_reading[i] - state->difference[i]);
         for (uint32_t k = 0; k < 2; k++)
-            result->jumped[k] += column[k] * jump;
+            jumped[k] += column[k] * jump;
     }
-    solve_fit(fit, result->jumped, 2);
+    solve_fit(fit, jumped, 2);
 }
 
-pulse_response pzs_pulse_response(pzs_pulse_detector_state *state)
+void pzs_pulse_measure(pzs_pulse_detector_state *state)
 {
-    pulse_fit fit = compare_pulse(state);
-    pulse_response result = {{0, 0}, {0, 0}, 0, false};
+    pzs_pulse_fit fit = compare_pulse(state);
+    pzs_pulse_response *result = &state->response;
     pzs_real rest = fit.energy, product[COLUMNS];
     memcpy(product, fit.response, sizeof product);
+    memset(result, 0, sizeof *result);
     if (!factor_fit(&fit))
-        return result;
+        return;
     solve_fit(&fit, fit.response, COLUMNS);
     for (uint32_t k = 0; k < COLUMNS; k++)
         rest -= product[k] * fit.response[k];
-    memcpy(result.gain, fit.response, sizeof result.gain);
-    result.unexplained = rest / fit.own;
-    result.is_measured = rest <= DISTURBED * fit.own;
-    find_jumps(state, &fit, &result);
-    return result;
+    memcpy(result->gain, fit.response, sizeof result->gain);
+    result->unexplained = rest / fit.own;
+    result->is_measured = rest <= DISTURBED * fit.own;
+    state->fit = fit;
 }

@@ -22,6 +22,8 @@
  * electrode, a healthy one with which it is compared.
  */
 enum { SUSPECT = 0, REFERENCE };
+/* Number of the modelled response to all electrodes that are not under test. */
+enum { PZS_PULSE_OTHERS = 2 };
 
 /*
  * Return the input of an electrode under test: SUSPECT is the electrode suspected of a fault,
@@ -33,37 +35,18 @@ static inline uint32_t tested_input(const pzs_pulse_detector_state *state, uint3
 }
 
 /*
- * Result of one test pulse that two electrodes make together: the one suspected of a fault and a
- * healthy one with which it is compared.
+ * Compute the gains (measured divided by modelled response) of the electrode suspected of a fault
+ * and of the healthy reference electrode from the readings during their test pulses, and store them
+ * in state->response. If the modelled responses to both electrodes are not independent, all members
+ * of the result are zero, with is_measured false.
  */
-typedef struct pulse_response {
-    /*
-     * gain (measured divided by modelled response to the test pulse, dimensionless) of the
-     * electrode suspected of a fault [0] and of the healthy one with which it is compared [1]
-     */
-    pzs_real gain[2];
-    /*
-     * jump of the readings in the middle of the test pulse, for example by a load: as a multiple of
-     * the modelled response to the electrode suspected of a fault [0], and to the healthy one [1]
-     * (dimensionless). A large jump makes the gains unreliable
-     */
-    pzs_real jumped[2];
-    /*
-     * unexplained part of the measured response (dimensionless): sum of squares of the part that no
-     * modelled response explains, divided by the sum of squares of the modelled response
-     */
-    pzs_real unexplained;
-    bool is_measured; /* whether the gains (measured over modelled response) of the suspected and of
-                         the healthy electrode can be trusted; false: a load or a motion has
-                         disturbed the test pulse, or readings were missing */
-} pulse_response;
+void pzs_pulse_measure(pzs_pulse_detector_state *state);
 
 /*
- * Compute the gains (measured divided by modelled response) of the electrode suspected of a fault
- * and of the healthy reference electrode from the readings during their test pulses. If the
- * modelled responses to both are not independent, all members of the result are zero, with
- * is_measured false.
+ * Compute by how much the readings have jumped during a measured test pulse, and store it in
+ * state->response. Jumps that the voltages explain, with the measured gains of the electrodes, do
+ * not count.
  */
-pulse_response pzs_pulse_response(pzs_pulse_detector_state *state);
+void pzs_pulse_find_jumps(pzs_pulse_detector_state *state);
 
 #endif
