@@ -299,7 +299,7 @@ $(B)/test/motion_storms-64: $(B)/64/tests/unit/sweep_motion.o $(B)/64/tests/rigs
 
 # Fault detector in a loop that damps vibration; `detector-64 45000` runs a million healthy ticks, with check-long.
 UNIT_64 += $(B)/test/detector-64
-$(B)/test/detector-64: $(B)/64/tests/unit/sweep_faults.o $(B)/64/tests/rigs/scene_run.o $(B)/64/host.a $(B)/64/libpiezoshape.a
+$(B)/test/detector-64: $(B)/64/tests/unit/sweep_faults.o $(B)/64/tests/rigs/fault_rig.o $(B)/64/tests/rigs/scene_run.o $(B)/64/host.a $(B)/64/libpiezoshape.a
 	@mkdir -p $(@D)
 	$(CC) $^ $(HOST_LIBS) -o $@
 

@@ -9,9 +9,10 @@
  * Prints for healthy plates how many electrodes the detector suspects and holds, while the target
  * jumps, and while loads jump during its test pulses; and for plates on which one electrode fails
  * during a storm (jumps of the target that the voltages cannot follow) how many dead, stuck and
- * reversed electrodes it names after the storm. Most plates are measured at every node, some by six
- * or eight sensors. Returns 0 where no healthy electrode is held, the supervisor takes control away
- * from no healthy plate, and the part of the faults that its row demands is named.
+ * reversed electrodes it names after the storm, and how long each phase of the search takes. Most
+ * structures are measured at every node, some by few sensors. Returns 0 where no healthy electrode
+ * is held (at most TIMED_LIMIT of 1000 while loads follow the test pulses), the supervisor takes
+ * control away from no healthy structure, and the part of the faults that its row demands is named.
  *
  * SPDX-License-Identifier: BSD-2-Clause
  */
@@ -20,23 +21,19 @@
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
-#include "../../host_tools/model/certificate_make.h"
-#include "../../host_tools/model/estimator.h"
-#include "../../host_tools/model/mass.h"
-#include "../../host_tools/model/modal.h"
-#include "../../host_tools/simulate/certify.h"
-#include "../../host_tools/simulate/imperfections.h"
-#include "../../host_tools/simulate/inertia.h"
-#include "../../host_tools/simulate/random.h"
 #include "../../host_tools/tables/detection.h"
-#include "../../host_tools/tables/loop_blocks.h"
-#include "../../host_tools/model/wiring_test.h"
-#include "../rigs/scene_run.h"
+#include "../rigs/fault_rig.h"
 
+#define DETECTED "events: [{at: 9, dead: [v_1_1], announced: detected}]"
 #define LINEAR                                                                                     \
     "kinematics=linear;simulate.influence=undeformed;simulate.plant.kinematics=linear;"            \
     "simulate.amplifiers.step=0;"                                                                  \
-    "simulate.events=[{at: 9, dead: [v_1_1], announced: detected}]"
+    "simulate.events=[{at: 9, dead: [v_1_1], announced: detected}];"
+#define SIMPLE(noise) "simulate={ticks: 10, sensors: {noise: " #noise "}, " DETECTED "};"
+#define SOFT                                                                                       \
+    "materials.AS4/3501.density=1440000;materials.G1195.density=6840000;control.rate=100;"         \
+    "limits={voltage: [-300, 300], step_limit: 20};"
+#define RIGS "tests/rigs/scenes/"
 
 /* Readings of six and of eight sensors in the scene plate-few-sensors. */
 #define READING(name) "{output: " #name ", noise: 1e-6}"
@@ -46,263 +43,37 @@
         half) ", " READING(half_right)
 #define EIGHT_READINGS SIX_READINGS ", " READING(inner_left) ", " READING(inner_right)
 
-enum { CERAMIC_PLAYS = 4, MODES = 20, INPUTS = 64, OUTPUTS = 128 };
+/* Sensors of the mirror, on four circles: outputs and readings of each circle, of given radius. */
+#define PLACE(ring, radius, eighth)                                                                \
+    "{name: r" #ring #eighth ", u3: outer, at: {theta1: " #radius ", theta2: " #eighth "*pi/4}}"
+#define PLACES(ring, radius)                                                                       \
+    PLACE(ring, radius, 0)                                                                         \
+    ", " PLACE(ring, radius, 1) ", " PLACE(ring, radius, 2) ", " PLACE(                            \
+        ring, radius, 3) ", " PLACE(ring, radius,                                                  \
+                                    4) ", " PLACE(ring, radius,                                    \
+                                                  5) ", " PLACE(ring, radius,                      \
+                                                                6) ", " PLACE(ring, radius, 7)
+#define GAUGE(ring, eighth) "{output: r" #ring #eighth ", noise: 1e-9}"
+#define GAUGES(ring)                                                                               \
+    GAUGE(ring, 0)                                                                                 \
+    ", " GAUGE(ring, 1) ", " GAUGE(ring, 2) ", " GAUGE(ring, 3) ", " GAUGE(ring, 4) ", " GAUGE(    \
+        ring, 5) ", " GAUGE(ring, 6) ", " GAUGE(ring, 7)
+#define MIRROR                                                                                     \
+    "dynamics={damping: 0.01};limits={voltage: [-50, 50], step_limit: 3.3};"                       \
+    "control={rate: 10000};" SIMPLE(1e-9) "outputs=[" PLACES(1, 12.6e-3) ", " PLACES(              \
+        2, 22.2e-3) ", " PLACES(3, 31.8e-3) ", " PLACES(4, 41.4e-3) "];"
 
-/* A damped loop with a fault detector, around a plate. */
-typedef struct rig {
-    scene_run run;
-    estimator estimator;
-    damper damper;
-    wiring_test pulses;
-    loop_blocks blocks;
-    vibration vibration;
-    modal modal;
-    inertia inertia;
-    pzs_loop loop;
-    void *work;
-    size_t bytes; /* memory of the loop */
-    size_t inputs, outputs;
-    size_t sensors;
-    size_t sensor_row[OUTPUTS]; /* [sensors] output that each sensor measures */
-    double noise, missed;       /* RMS noise of a reading (m), and chance that a tick is missed */
-    double gain, hysteresis; /* static response relative to the model; width of the hysteresis loop
-                                relative to the voltage range */
-    double *memory;          /* one allocation that holds the arrays from `acting` on */
-    double *acting;          /* [inputs] voltages that act on the ceramic (V) */
-    double *load; /* [inputs] constant load, as the voltages that would move the plate as far (V) */
-    double *sum;  /* [inputs] sums of the voltages that act and of the load (V) */
-    double *play; /* [inputs][CERAMIC_PLAYS] plays of the hysteresis (V) */
-    double *readings; /* [sensors] readings (m) */
-    double *wanted;   /* [outputs] target shape (m) */
-    electrode_fault fault[INPUTS];
-    double wire[INPUTS]; /* 1, or -1 for an electrode with exchanged wires */
-    uint64_t random;
-    int next_jump, every, tick; /* tick of the next target; mean number of ticks between targets;
-                                   present tick */
-} rig;
-
-static int complain(const char *error)
-{
-    printf("not ok - %s\n", error);
-    return -1;
-}
-
-/* List the outputs that the sensors measure: all target nodes, or those of the estimator. */
-static void list_sensors(rig *r)
-{
-    const design *design = &r->run.analysis.design;
-    r->sensors = 0;
-    for (int k = 0; k < design->estimate.readings; k++)
-        r->sensor_row[r->sensors++] =
-            (size_t)design->named_first[design->estimate.reading[k].output];
-    for (size_t i = 0; i < r->outputs && design->estimate.readings == 0; i++)
-        r->sensor_row[r->sensors++] = i;
-}
-
-/* Make the tables of the loop, with the settings that its certificate chooses. */
-static int open_tables(rig *r)
-{
-    analysis *analysis = &r->run.analysis;
-    const bool is_few = analysis->design.estimate.readings > 0;
-    if (certify_loop(analysis, r->run.error) < 0)
-        return complain(r->run.error);
-    const damper_options options = damper_options_of(analysis);
-    if (is_few && estimator_open(&r->estimator, analysis, r->run.error) < 0)
-        return complain(r->run.error);
-    const estimator *few = is_few ? &r->estimator : NULL;
-    if (damper_make(&r->damper, analysis, few, &options, r->run.error) < 0)
-        return complain(r->run.error);
-    if (!wiring_test_detector_open(&r->pulses, analysis, few))
-        return complain("out of memory");
-    loop_blocks_fill(&r->blocks, &analysis->design, &r->estimator, &r->damper);
-    loop_blocks_test(&r->blocks, NULL, &r->pulses);
-    return 0;
-}
-
-/* Make the tables of the loop, and the modal model of the plate. */
-static int open_structure(rig *r, const char *scene, const char *change)
-{
-    analysis *analysis = &r->run.analysis;
-    if (scene_run_open(&r->run, scene, change) < 0 ||
-        analysis_influence(analysis, r->run.error) < 0)
-        return complain(r->run.error);
-    certificate_make(&analysis->certificate, analysis);
-    analysis->design.simulate.delay = 0;
-    if (open_tables(r) < 0)
-        return -1;
-    if (vibration_solve(&r->vibration, &analysis->design, MODES, MASS_LUMPED, r->run.error) < 0)
-        return complain(r->run.error);
-    r->inputs = (size_t)analysis->design.amplifiers;
-    r->outputs = (size_t)analysis->design.targets;
-    list_sensors(r);
-    const bool has_memory = modal_open(&r->modal, &analysis->design, &r->vibration, r->inputs) &&
-                            inertia_open(&r->inertia, &r->modal);
-    return has_memory && r->inputs <= INPUTS && r->outputs <= OUTPUTS ? 0
-                                                                      : complain("out of memory");
-}
-
-/* Number of reals in the memory of a rig. */
-static size_t count_reals(const rig *r)
-{
-    return (3 + CERAMIC_PLAYS) * r->inputs + 2 * r->outputs;
-}
-
-/*
- * Open a rig.
- *   compensated in  width, relative to the voltage range, of the hysteresis loop that the control
- *                   loop compensates; 0: no compensation
- *   readings    in  list of the sensors as in the key `estimate.readings` of a scene; empty: every
- *                   node is measured
- */
-static int open_rig(rig *r, double compensated, const char *readings)
-{
-    double too_small;
-    char change[2000];
-    const double share = compensated * 16 / 5, slope = 1 - share, weight = share / CERAMIC_PLAYS;
-    memset(r, 0, sizeof *r);
-    const int used = *readings
-                         ? snprintf(change, sizeof change,
-                                    "estimate.readings=[%s];estimate.tolerance=0.9;", readings)
-                         : 0;
-    snprintf(change + used, sizeof change - (size_t)used,
-             compensated > 0 ? LINEAR ";hysteresis={range: [-300, 300], slopes: [%g, %g, %g, %g], "
-                                      "slack: [37.5, 75, 112.5, 150], above: [%g, %g, %g, %g]}"
-                             : LINEAR,
-             slope, slope, slope, slope, weight, weight, weight, weight);
-    if (open_structure(r, *readings ? "plate-few-sensors" : "plate-closed-loop", change) < 0)
-        return -1;
-    (void)pzs_loop_init(&r->loop, r->blocks.block, (size_t)r->blocks.count, NULL, &too_small, 0);
-    r->bytes = (size_t)r->loop.info.where;
-    r->work = malloc(r->bytes);
-    r->memory = calloc(count_reals(r), sizeof *r->memory);
-    if (!r->work || !r->memory)
-        return complain("out of memory");
-    r->acting = r->memory;
-    r->load = r->acting + r->inputs;
-    r->sum = r->load + r->inputs;
-    r->play = r->sum + r->inputs;
-    r->readings = r->play + CERAMIC_PLAYS * r->inputs;
-    r->wanted = r->readings + r->outputs;
-    return 0;
-}
-
-static void close_rig(rig *r)
-{
-    free(r->work);
-    free(r->memory);
-    inertia_close(&r->inertia);
-    modal_close(&r->modal);
-    vibration_free(&r->vibration);
-    damper_close(&r->damper);
-    estimator_close(&r->estimator);
-    wiring_test_close(&r->pulses);
-    scene_run_close(&r->run);
-}
-
-static double uniform(rig *r, double low, double high)
-{
-    return low + (high - low) * random_uniform(&r->random);
-}
-
-/* Return loop and plate to rest at zero voltages. */
-static void start(rig *r, uint64_t seed, double gain, double frequency, double hysteresis,
-                  int every)
-{
-    (void)pzs_loop_init(&r->loop, r->blocks.block, (size_t)r->blocks.count, NULL, r->work,
-                        r->bytes);
-    memset(r->memory, 0, count_reals(r) * sizeof *r->memory);
-    memset(r->fault, 0, sizeof r->fault);
-    for (size_t j = 0; j < INPUTS; j++)
-        r->wire[j] = 1;
-    inertia_rest(&r->inertia, r->acting);
-    r->inertia.gain = gain;
-    r->inertia.stretch = frequency;
-    r->inertia.interval = 0;
-    r->gain = gain;
-    r->hysteresis = hysteresis;
-    r->every = every;
-    r->next_jump = 0;
-    r->tick = 0;
-    r->random = seed;
-}
-
-/* Set a new target: a part of the scene's, or the shape of random voltages. */
-static void jump(rig *r)
-{
-    const design *design = &r->run.analysis.design;
-    const size_t all = design->structure.input.count;
-    r->next_jump = r->tick + (int)uniform(r, 0.5 * r->every, 1.5 * r->every);
-    const double factor = uniform(r, -1, 1);
-    double voltage[INPUTS];
-    for (size_t j = 0; j < r->inputs; j++)
-        voltage[j] = 0.5 * uniform(r, design->lower[j], design->upper[j]);
-    for (size_t i = 0; i < r->outputs; i++) {
-        double random_shape = 0;
-        for (size_t j = 0; j < r->inputs; j++)
-            random_shape += r->run.analysis.influence[i * all + j] * voltage[j];
-        r->wanted[i] = factor > 0 ? factor * design->target[i] : random_shape;
-    }
-}
-
-/* Voltage that acts on the ceramic of electrode j (V). */
-static double act(rig *r, size_t j, double voltage)
-{
-    const design *design = &r->run.analysis.design;
-    double mean = 0;
-    for (int i = 0; i < CERAMIC_PLAYS; i++) {
-        const double slack =
-            (design->upper[j] - design->lower[j]) / 2 * (i + 1) / (2 * CERAMIC_PLAYS);
-        double *play = &r->play[j * CERAMIC_PLAYS + (size_t)i];
-        *play = fmin(fmax(*play, voltage - slack), voltage + slack);
-        mean += *play / CERAMIC_PLAYS;
-    }
-    return voltage + r->hysteresis * 16 / 5 * (mean - voltage);
-}
-
-/* Run one tick: readings, loop, plate. */
-static pzs_status run_tick(rig *r)
-{
-    const size_t all = r->run.analysis.design.structure.input.count;
-    double next[INPUTS];
-    pzs_status status = PZS_OK;
-    if (r->tick >= r->next_jump)
-        jump(r);
-    for (size_t i = 0; i < r->sensors; i++) {
-        const size_t row = r->sensor_row[i];
-        inertia_observe(&r->inertia, row, 1, &r->readings[i]);
-        for (size_t j = 0; j < r->inputs; j++)
-            r->readings[i] += r->gain * r->run.analysis.influence[row * all + j] * r->sum[j];
-        r->readings[i] += r->noise * random_noise(&r->random);
-    }
-    if (r->tick > 0 && uniform(r, 0, 1) < r->missed)
-        (void)pzs_loop_skip(&r->loop, 1);
-    else
-        status = pzs_loop_tick(&r->loop, r->wanted, r->readings);
-    for (size_t j = 0; j < r->inputs; j++) {
-        if (r->fault[j] == ELECTRODE_DEAD)
-            next[j] = 0;
-        else if (r->fault[j] == ELECTRODE_STUCK)
-            next[j] = r->acting[j];
-        else
-            next[j] = act(r, j, r->wire[j] * r->loop.info.voltage[j]);
-    }
-    memcpy(r->acting, next, r->inputs * sizeof *next);
-    for (size_t j = 0; j < r->inputs; j++)
-        r->sum[j] = r->acting[j] + r->load[j];
-    inertia_jump(&r->inertia, r->sum);
-    inertia_advance(&r->inertia, 1 / r->run.analysis.design.control.rate);
-    r->tick++;
-    return status;
-}
+static const fault_structure plate = {"plate, 15 Hz, 1 kHz", "plate-closed-loop", LINEAR, 300, ""};
+static const fault_structure six = {"plate", "plate-few-sensors", LINEAR, 300, SIX_READINGS};
+static const fault_structure eight = {"plate", "plate-few-sensors", LINEAR, 300, EIGHT_READINGS};
+static const fault_structure panel = {"panel", RIGS "storm-panel.yaml", SIMPLE(1e-8), 150, ""};
+static const fault_structure twins = {"twins", RIGS "storm-twins.yaml", SIMPLE(1e-8), 200, ""};
+static const fault_structure soft = {"soft plate", "plate-closed-loop", LINEAR SOFT, 300, ""};
+static const fault_structure mirror = {"mirror", "mirror", MIRROR, 50,
+                                       GAUGES(1) ", " GAUGES(2) ", " GAUGES(3) ", " GAUGES(4)};
 
 /* Structures around the model: static gain and natural frequencies. */
 static const double gains[] = {1, 0.8, 1.33}, frequencies[] = {1, 0.9, 1.1};
-
-/* Return the fault detector of the loop. */
-static const pzs_pulse_detector *detector_of(const rig *r)
-{
-    return pzs_loop_find(&r->loop, &pzs_pulse_detector_block);
-}
 
 /*
  * Numbers of ticks, of electrodes that were suspected, of electrodes that were held, and of runs in
@@ -312,34 +83,28 @@ typedef struct tally {
     long ticks, tests, held, alarms;
 } tally;
 
-/* Whether the supervisor has taken control away. */
-static bool is_stopped(const rig *r)
+/*
+ * Return a duration that is given for a test pulse of 213 ticks, in ticks of this structure, with
+ * its shorter or longer pulses.
+ */
+static int scaled(const fault_rig *rig, int ticks)
 {
-    const pzs_supervisor *supervisor = pzs_loop_find(&r->loop, &pzs_supervisor_block);
-    return supervisor->info.mode == PZS_MODE_STOPPING || supervisor->info.mode == PZS_MODE_LATCHED;
-}
-
-/* Release all electrodes that the detector holds. */
-static void release_held(rig *r)
-{
-    for (size_t j = 0; j < r->inputs; j++)
-        if (r->loop.info.electrode[j] == PZS_ELECTRODE_HELD)
-            (void)pzs_release(r->loop.info.control, (uint16_t)j);
+    return (int)((long)ticks * rig->pulses.tables.pulse_ticks / 213);
 }
 
 /* Run healthy electrodes on nine structures; an electrode that is held is released. */
-static tally run_healthy(rig *r, int ticks, int every, double hysteresis)
+static tally run_healthy(fault_rig *rig, int ticks, int every, double hysteresis)
 {
     tally tally = {0};
     for (unsigned k = 0; k < 9; k++) {
-        start(r, k + 1, gains[k % 3], frequencies[k / 3], hysteresis, every);
+        fault_rig_start(rig, k + 1, gains[k % 3], frequencies[k / 3], hysteresis, every);
         for (int tick = 0; tick < ticks / 9; tick++, tally.ticks++) {
-            (void)run_tick(r);
-            release_held(r);
+            (void)fault_rig_tick(rig);
+            fault_rig_release(rig);
         }
-        tally.held += detector_of(r)->info.found;
-        tally.tests += detector_of(r)->info.tests;
-        tally.alarms += is_stopped(r);
+        tally.held += fault_rig_detector(rig)->info.found;
+        tally.tests += fault_rig_detector(rig)->info.tests;
+        tally.alarms += fault_rig_is_stopped(rig);
     }
     return tally;
 }
@@ -352,12 +117,13 @@ static tally run_healthy(rig *r, int ticks, int every, double hysteresis)
 enum { LOAD_EPISODE = 1250, LOAD_DELAY = 60, LOAD_CALM = 200, LOAD_EVERY = 150 };
 
 /* Return the electrode that makes the test pulses of a proof, or one at random. */
-static size_t tested_electrode(rig *r)
+static size_t tested_electrode(fault_rig *rig)
 {
-    size_t tested = (size_t)uniform(r, 0, (double)r->inputs) % r->inputs, first = tested;
-    for (size_t k = 0; k < r->inputs; k++) {
-        const size_t j = (first + k) % r->inputs;
-        if (r->loop.info.electrode[j] == PZS_ELECTRODE_TESTED)
+    size_t tested = (size_t)fault_rig_uniform(rig, 0, (double)rig->inputs) % rig->inputs,
+           first = tested;
+    for (size_t k = 0; k < rig->inputs; k++) {
+        const size_t j = (first + k) % rig->inputs;
+        if (rig->loop.info.electrode[j] == PZS_ELECTRODE_TESTED)
             tested = j;
     }
     return tested;
@@ -367,15 +133,15 @@ static size_t tested_electrode(rig *r)
  * Let the load jump. The new load has the shape of an electrode under test, or that of voltages at
  * all electrodes.
  */
-static void jump_load(rig *r)
+static void jump_load(fault_rig *rig)
 {
-    const design *design = &r->run.analysis.design;
-    const size_t tested = tested_electrode(r);
-    const bool is_single = uniform(r, 0, 1) < 0.7;
-    for (size_t j = 0; j < r->inputs; j++) {
+    const design *design = &rig->run.analysis.design;
+    const size_t tested = tested_electrode(rig);
+    const bool is_single = fault_rig_uniform(rig, 0, 1) < 0.7;
+    for (size_t j = 0; j < rig->inputs; j++) {
         const double size = 0.15 * (design->upper[j] - design->lower[j]);
         if (!is_single || j == tested)
-            r->load[j] += (is_single ? 1 : 0.3) * uniform(r, -size, size);
+            rig->load[j] += (is_single ? 1 : 0.3) * fault_rig_uniform(rig, -size, size);
     }
 }
 
@@ -385,21 +151,22 @@ static void jump_load(rig *r)
  * is tested; during the test the load jumps.
  *   next_load in/out  tick of the next jump of the load
  */
-static void disturb(rig *r, int *next_load)
+static void disturb(fault_rig *rig, int *next_load)
 {
-    const int tick = r->tick % (2 * LOAD_EPISODE);
-    if (tick % LOAD_EPISODE == 0)
-        jump(r);
-    if (tick == LOAD_EPISODE)
-        memset(r->load, 0, r->inputs * sizeof *r->load);
-    if (tick == LOAD_DELAY) {
-        const size_t j = tested_electrode(r);
-        r->load[j] = -uniform(r, 0.7, 1.4) * r->loop.info.voltage[j];
-        *next_load = r->tick + LOAD_CALM;
+    const int episode = scaled(rig, LOAD_EPISODE), delay = scaled(rig, LOAD_DELAY);
+    const int every = scaled(rig, LOAD_EVERY), tick = rig->tick % (2 * episode);
+    if (tick % episode == 0)
+        fault_rig_jump(rig);
+    if (tick == episode)
+        memset(rig->load, 0, rig->inputs * sizeof *rig->load);
+    if (tick == delay) {
+        const size_t j = tested_electrode(rig);
+        rig->load[j] = -fault_rig_uniform(rig, 0.7, 1.4) * rig->loop.info.voltage[j];
+        *next_load = rig->tick + scaled(rig, LOAD_CALM);
     }
-    if (r->tick >= *next_load && tick > LOAD_DELAY) {
-        jump_load(r);
-        *next_load = r->tick + (int)uniform(r, 0.2 * LOAD_EVERY, 1.8 * LOAD_EVERY);
+    if (rig->tick >= *next_load && tick > delay) {
+        jump_load(rig);
+        *next_load = rig->tick + (int)fault_rig_uniform(rig, 0.2 * every, 1.8 * every);
     }
 }
 
@@ -407,34 +174,127 @@ static void disturb(rig *r, int *next_load)
  * Run healthy electrodes on nine structures under loads that jump during test pulses; an electrode
  * that is held is released.
  */
-static tally run_loads(rig *r, int ticks, double hysteresis)
+static tally run_loads(fault_rig *rig, int ticks, double hysteresis)
 {
     tally tally = {0};
     for (unsigned k = 0; k < 9; k++) {
-        int next_load = LOAD_EPISODE;
-        start(r, 1000 + k, gains[k % 3], frequencies[k / 3], hysteresis, INT_MAX / 2);
+        int next_load = scaled(rig, LOAD_EPISODE);
+        fault_rig_start(rig, 1000 + k, gains[k % 3], frequencies[k / 3], hysteresis, INT_MAX / 2);
         for (int tick = 0; tick < ticks / 9; tick++, tally.ticks++) {
-            disturb(r, &next_load);
-            (void)run_tick(r);
-            release_held(r);
+            disturb(rig, &next_load);
+            (void)fault_rig_tick(rig);
+            fault_rig_release(rig);
         }
-        tally.held += detector_of(r)->info.found;
-        tally.tests += detector_of(r)->info.tests;
-        tally.alarms += is_stopped(r);
+        tally.held += fault_rig_detector(rig)->info.found;
+        tally.tests += fault_rig_detector(rig)->info.tests;
+        tally.alarms += fault_rig_is_stopped(rig);
     }
     return tally;
 }
 
-/* Results of runs in each of which one electrode fails. */
-typedef struct named {
-    int runs, right, exact; /* right: the electrode is held; exact: its fault is named, too */
-    int wrong;              /* healthy electrodes that are held */
-    int slight;             /* faulty electrodes that are not held, and lack at most 5 % of their
-                               voltage range */
-    int slowest;            /* longest time from the end of the storm until the electrode is held */
-    double sum;             /* sum of these times */
-} named;
+/*
+ * Loads that are timed to test pulses, in ticks: time from one motion of the target to the next,
+ * and from a motion until an electrode seems to be dead.
+ */
+enum { TIMED_EPISODE = 1100, TIMED_DELAY = 60 };
 
+/* Courses in time of a load in the shape of an electrode under test. */
+typedef enum course { STEPS, RAMPS, SINE, COURSES } course;
+static const char *const course_name[COURSES] = {"come and go", "rise and fall", "oscillate"};
+
+/* A load in the shape of one electrode, from the first test pulse of this electrode on. */
+typedef struct timed_load {
+    course course;
+    bool has_begun;
+    size_t j;
+    int first;                /* tick in which the pulse began */
+    double base, size;        /* load before the pulse, and its largest change (V) */
+    double from, peak, until; /* begin, turning point and end of the load, in pulses */
+    double period, phase;     /* period of an oscillation, in pulses, and its phase (rad) */
+} timed_load;
+
+/*
+ * Choose a load that may hide the response to the pulse that electrode j begins.
+ *   height in  height of the pulse (V)
+ */
+static void begin_load(fault_rig *rig, timed_load *load, size_t j, double height)
+{
+    load->has_begun = true;
+    load->j = j;
+    load->first = rig->tick;
+    load->base = rig->load[j];
+    load->size = -height * fault_rig_uniform(rig, 0.5, 1.6);
+    load->from = fault_rig_uniform(rig, 0, 0.6);
+    load->peak = load->from + fault_rig_uniform(rig, 0.1, 0.8);
+    load->until = load->peak + fault_rig_uniform(rig, 0.05, 0.8);
+    load->period = fault_rig_uniform(rig, 0.5, 3);
+    load->phase = fault_rig_uniform(rig, 0, 2 * acos(-1));
+}
+
+/*
+ * Return the change of the load at a time since the first pulse began, in pulses (V). Loads that
+ * come and go, and those that rise and fall, do so in every pulse.
+ */
+static double load_at(const timed_load *load, double time)
+{
+    const double angle = 2 * acos(-1) * time / load->period + load->phase;
+    const double place = time - floor(time);
+    if (load->course == SINE)
+        return load->size / 2 * (sin(angle) - sin(load->phase));
+    if (place < load->from || place > load->until)
+        return 0;
+    if (load->course == STEPS)
+        return place < load->peak ? load->size : 0;
+    const double rise = (place - load->from) / (load->peak - load->from);
+    const double fall = (load->until - place) / (load->until - load->peak);
+    return load->size * fmin(rise, fall);
+}
+
+/* Move the target and change the load in one tick of a run with loads timed to test pulses. */
+static void hide_pulse(fault_rig *rig, timed_load *load)
+{
+    const pzs_pulse_detector_state *state = &fault_rig_detector(rig)->state;
+    const int tick = rig->tick % scaled(rig, TIMED_EPISODE);
+    if (tick == 0) {
+        fault_rig_jump(rig);
+        memset(rig->load, 0, rig->inputs * sizeof *rig->load);
+        load->has_begun = false;
+    }
+    if (tick == scaled(rig, TIMED_DELAY)) {
+        const size_t j = tested_electrode(rig);
+        rig->load[j] = -fault_rig_uniform(rig, 0.7, 1.4) * rig->loop.info.voltage[j];
+    }
+    if (state->has_taken && !load->has_begun)
+        begin_load(rig, load, state->suspect, state->height[0]);
+    if (load->has_begun) {
+        const double time = (double)(rig->tick - load->first) / rig->pulses.tables.pulse_ticks;
+        rig->load[load->j] = load->base + load_at(load, time);
+    }
+}
+
+/*
+ * Run healthy electrodes on nine structures under loads in the shape of an electrode under test
+ * that are timed to its test pulses; an electrode that is held is released.
+ */
+static tally run_timed_loads(fault_rig *rig, course course, int ticks, double hysteresis)
+{
+    tally tally = {0};
+    for (unsigned k = 0; k < 9; k++) {
+        timed_load load = {.course = course};
+        fault_rig_start(rig, 2000 + k, gains[k % 3], frequencies[k / 3], hysteresis, INT_MAX / 2);
+        for (int tick = 0; tick < ticks / 9; tick++, tally.ticks++) {
+            hide_pulse(rig, &load);
+            (void)fault_rig_tick(rig);
+            fault_rig_release(rig);
+        }
+        tally.held += fault_rig_detector(rig)->info.found;
+        tally.tests += fault_rig_detector(rig)->info.tests;
+        tally.alarms += fault_rig_is_stopped(rig);
+    }
+    return tally;
+}
+
+/* Durations in a run with faults (ticks). STORM_EVERY: mean time between jumps of the target. */
 enum {
     RUNS_OF_EACH = 4,
     STORM_TICKS = 200,
@@ -443,109 +303,165 @@ enum {
     STORM_EVERY = 40
 };
 
-/* Let electrode j fail. */
-static void fail(rig *r, size_t j, pzs_electrode_fault fault)
+/* Phases of the search for a faulty electrode, from the fault until the electrode is held. */
+typedef enum phase {
+    MOTION, /* the target moves, and no electrode is suspected */
+    REST,   /* the target stands still, and no electrode is suspected */
+    OTHERS, /* a healthy electrode is suspected or tested */
+    READY,  /* the faulty electrode is suspected, and the target moves */
+    PAUSE,  /* the faulty electrode is suspected; vibration decays before its first test pulse */
+    PULSES, /* the faulty electrode is tested */
+    AFTER,  /* all phases from the end of the storm on */
+    PHASES
+} phase;
+static const char *const phase_name[PHASES] = {"motion", "rest",   "others",         "ready",
+                                               "pause",  "pulses", "after the storm"};
+
+/* Results of runs in each of which one electrode fails. */
+typedef struct named {
+    int runs, right, exact; /* right: the electrode is held; exact: its fault is named, too */
+    int wrong;              /* healthy electrodes that are held */
+    int slight;             /* faulty electrodes that are not held, and lack at most 5 % of their
+                               voltage range */
+    int early;              /* runs in which the storm and one proof suffice */
+    int ticks[PHASES][RUNS_OF_EACH * FAULT_RIG_INPUTS]; /* [phase][right] duration of each phase */
+} named;
+
+/* Duration of a proof (ticks). */
+static int proof_ticks(const fault_rig *rig)
 {
-    if (fault == PZS_FAULT_REVERSED)
-        r->wire[j] = -1;
-    else
-        r->fault[j] = fault == PZS_FAULT_DEAD ? ELECTRODE_DEAD : ELECTRODE_STUCK;
+    const pzs_selftest_tables *tables = &rig->pulses.tables;
+    return (int)PZS_PROOF_TICKS(tables->pulse_ticks, tables->delay);
 }
 
-/* Run some ticks, with a mean number of ticks between jumps of the target; 0: without jumps. */
-static void run_ticks(rig *r, int ticks, int every)
+/* Return the phase of the search for the faulty electrode j, while the target moves or not. */
+static phase phase_of(const fault_rig *rig, size_t j, bool is_moving)
 {
-    r->every = every > 0 ? every : r->every;
-    r->next_jump = every > 0 ? r->tick : INT_MAX;
-    for (int tick = 0; tick < ticks; tick++)
-        (void)run_tick(r);
-}
-
-static bool is_held(const rig *r, size_t j)
-{
-    return r->loop.info.electrode[j] == PZS_ELECTRODE_HELD;
+    const pzs_pulse_detector_state *state = &fault_rig_detector(rig)->state;
+    if (state->suspect == 0xFFFF)
+        return is_moving ? MOTION : REST;
+    if (state->suspect != j)
+        return OTHERS;
+    if (is_moving)
+        return READY;
+    return rig->loop.info.electrode[j] == PZS_ELECTRODE_TESTED ? PULSES : PAUSE;
 }
 
 /* Whether electrode j lacks at most 5 % of its voltage range. */
-static bool lacks_little(const rig *r, size_t j)
+static bool lacks_little(const fault_rig *rig, size_t j)
 {
-    const design *design = &r->run.analysis.design;
-    const double lacking = fabs(r->loop.info.voltage[j] - r->acting[j]);
+    const design *design = &rig->run.analysis.design;
+    const double lacking = fabs(rig->loop.info.voltage[j] - rig->acting[j]);
     return lacking <= 0.05 * (design->upper[j] - design->lower[j]);
 }
 
 /*
  * Let electrodes j and k fail in a storm that follows a rest, and run until both are held, or for
  * PROOF_TICKS after the storm. Without a second fault both numbers are equal.
+ *   ticks [PHASES] out  durations of the phases of the search for electrode j
  */
-static void try_fault(rig *r, size_t j, size_t k, pzs_electrode_fault fault, named *result)
+static void try_fault(fault_rig *rig, size_t j, size_t k, pzs_electrode_fault fault,
+                      int ticks[PHASES])
 {
-    int tick = 0;
-    run_ticks(r, STORM_TICKS, STORM_EVERY);
-    run_ticks(r, REST_TICKS, 0);
-    fail(r, j, fault);
-    if (k != j)
-        fail(r, k, fault);
-    run_ticks(r, STORM_TICKS, STORM_EVERY);
-    r->next_jump = INT_MAX;
-    const int most = k != j ? 2 * PROOF_TICKS : PROOF_TICKS;
-    while (tick < most && !(is_held(r, j) && is_held(r, k))) {
-        (void)run_tick(r);
-        tick++;
+    const int most = STORM_TICKS + (k != j ? 2 : 1) * scaled(rig, PROOF_TICKS);
+    fault_rig_run(rig, STORM_TICKS, STORM_EVERY);
+    fault_rig_run(rig, scaled(rig, REST_TICKS), 0);
+    rig->fault[j] = fault;
+    rig->fault[k] = fault;
+    memset(ticks, 0, PHASES * sizeof *ticks);
+    rig->next_jump = rig->tick;
+    for (int tick = 0; tick < most; tick++) {
+        if (fault_rig_is_held(rig, j) && fault_rig_is_held(rig, k))
+            break;
+        if (tick == STORM_TICKS)
+            rig->next_jump = INT_MAX;
+        ticks[phase_of(rig, j, tick < STORM_TICKS)]++;
+        ticks[AFTER] += tick >= STORM_TICKS;
+        (void)fault_rig_tick(rig);
     }
+}
+
+/* Count the findings of a run in which electrodes j and k have failed. */
+static void count_findings(const fault_rig *rig, size_t j, size_t k, pzs_electrode_fault fault,
+                           const int ticks[PHASES], named *result)
+{
+    const bool is_right = fault_rig_is_held(rig, j);
+    for (int phase = 0; phase < PHASES && is_right; phase++)
+        result->ticks[phase][result->right] = ticks[phase];
     result->runs++;
-    result->right += is_held(r, j);
-    result->exact += is_held(r, j) && detector_of(r)->info.fault[j] == fault;
-    result->slight += !is_held(r, j) && lacks_little(r, j);
-    result->slowest = tick < most && tick > result->slowest ? tick : result->slowest;
-    result->sum += tick < most ? tick : 0;
-    for (size_t other = 0; other < r->inputs; other++)
-        result->wrong += other != j && other != k && is_held(r, other);
+    result->right += is_right;
+    result->early += is_right && ticks[AFTER] <= proof_ticks(rig);
+    result->exact += is_right && fault_rig_detector(rig)->info.fault[j] == fault;
+    result->slight += !is_right && lacks_little(rig, j);
+    for (size_t other = 0; other < rig->inputs; other++)
+        result->wrong += other != j && other != k && fault_rig_is_held(rig, other);
 }
 
 /* One row of the measurement. */
 typedef struct row {
     const char *name;
+    const fault_structure *structure;
     double ceramic, compensated; /* width of the hysteresis loop of the ceramic, and of the one that
                                     the loop compensates, relative to the voltage range */
     double noise, missed;        /* RMS noise of a reading (m), and chance that a tick is missed */
-    size_t second; /* distance from the faulty electrode to a second one that fails at the same
-                      time; 0: there is none */
-    int least;     /* smallest part of the faulty electrodes that must be held (%) */
-    const char *readings; /* sensors, as in the key `estimate.readings` of a scene; empty: every
-                             node is measured */
+    size_t second;   /* distance from the faulty electrode to a second one that fails at the same
+                        time; 0: there is none */
+    int least;       /* smallest part of the faulty electrodes that must be held (%) */
+    bool is_stopped; /* whether the supervisor takes control away from healthy structures: there
+                        are more tracking errors than it accepts, with any fault detector */
 } row;
 
 static const row rows[] = {
-    {"no hysteresis", 0, 0, 1e-7, 0, 0, 95, ""},
-    {"20 % hysteresis, compensated", 0.2, 0.2, 1e-7, 0, 0, 95, ""},
-    {"6 sensors, 20 % hysteresis, compensated", 0.2, 0.2, 1e-6, 0, 0, 90, SIX_READINGS},
-    {"20 % hysteresis, 15 % compensated", 0.2, 0.15, 1e-7, 0, 0, 90, ""},
-    {"10 % hysteresis, not compensated", 0.1, 0, 1e-7, 0, 0, 90, ""},
-    {"30 % hysteresis, compensated", 0.3, 0.3, 1e-7, 0, 0, 95, ""},
-    {"30 % hysteresis, not compensated", 0.3, 0, 1e-7, 0, 0, 0, ""},
-    {"20 % hysteresis, ten times the noise", 0.2, 0.2, 1e-6, 0, 0, 95, ""},
-    {"20 % hysteresis, 5 % of the ticks missed", 0.2, 0.2, 1e-7, 0.05, 0, 85, ""},
-    {"20 % hysteresis, two electrodes at once", 0.2, 0.2, 1e-7, 0, 7, 85, ""},
-    {"8 sensors, no hysteresis", 0, 0, 1e-6, 0, 0, 90, EIGHT_READINGS},
-    {"6 sensors, no hysteresis", 0, 0, 1e-6, 0, 0, 80, SIX_READINGS},
-    {"8 sensors, 20 % hysteresis, compensated", 0.2, 0.2, 1e-6, 0, 0, 90, EIGHT_READINGS},
+    {"plate, no hysteresis", &plate, 0, 0, 1e-7, 0, 0, 95, false},
+    {"plate, 20 % hysteresis, compensated", &plate, 0.2, 0.2, 1e-7, 0, 0, 95, false},
+    {"6 sensors, 20 % hysteresis, compensated", &six, 0.2, 0.2, 1e-6, 0, 0, 90, false},
+    {"20 % hysteresis, 15 % compensated", &plate, 0.2, 0.15, 1e-7, 0, 0, 90, false},
+    {"10 % hysteresis, not compensated", &plate, 0.1, 0, 1e-7, 0, 0, 90, false},
+    {"plate, 30 % hysteresis, compensated", &plate, 0.3, 0.3, 1e-7, 0, 0, 95, false},
+    {"30 % hysteresis, not compensated", &plate, 0.3, 0, 1e-7, 0, 0, 0, false},
+    {"20 % hysteresis, ten times the noise", &plate, 0.2, 0.2, 1e-6, 0, 0, 95, false},
+    {"20 % hysteresis, 5 % of the ticks missed", &plate, 0.2, 0.2, 1e-7, 0.05, 0, 85, false},
+    {"20 % hysteresis, two electrodes at once", &plate, 0.2, 0.2, 1e-7, 0, 7, 85, false},
+    {"8 sensors, no hysteresis", &eight, 0, 0, 1e-6, 0, 0, 90, false},
+    {"6 sensors, no hysteresis", &six, 0, 0, 1e-6, 0, 0, 80, false},
+    {"8 sensors, 20 % hysteresis, compensated", &eight, 0.2, 0.2, 1e-6, 0, 0, 90, false},
+    {"panel, no hysteresis", &panel, 0, 0, 1e-8, 0, 0, 95, false},
+    {"panel, 20 % hysteresis, compensated", &panel, 0.2, 0.2, 1e-8, 0, 0, 95, false},
+    {"panel, 30 % hysteresis, compensated", &panel, 0.3, 0.3, 1e-8, 0, 0, 95, false},
+    {"near-equal modes, no hysteresis", &twins, 0, 0, 1e-8, 0, 0, 95, false},
+    {"near-equal modes, 20 % hysteresis, compensated", &twins, 0.2, 0.2, 1e-8, 0, 0, 95, false},
+    {"near-equal modes, 30 % hysteresis, compensated", &twins, 0.3, 0.3, 1e-8, 0, 0, 95, false},
+    {"soft, no hysteresis", &soft, 0, 0, 1e-7, 0, 0, 95, false},
+    {"soft, 20 % hysteresis, compensated", &soft, 0.2, 0.2, 1e-7, 0, 0, 95, false},
+    {"soft, 30 % hysteresis, compensated", &soft, 0.3, 0.3, 1e-7, 0, 0, 95, false},
+    {"mirror, 32 sensors, no hysteresis", &mirror, 0, 0, 1e-9, 0, 0, 95, false},
+    {"mirror, 32 sensors, 20 % hysteresis, compensated", &mirror, 0.2, 0.2, 1e-9, 0, 0, 95, false},
+    {"mirror, 32 sensors, 30 % hysteresis, compensated", &mirror, 0.3, 0.3, 1e-9, 0, 0, 75, true},
 };
+/*
+ * Largest number of healthy electrodes that may be held in 1000 tests under loads timed to test
+ * pulses. Such loads know when a pulse begins, and no detector can tell one that follows the pulse
+ * from a silent electrode; the limit holds the detector to its measured state.
+ */
+enum { TIMED_LIMIT = 20 };
 enum { ROWS = sizeof rows / sizeof *rows, QUICK_ROWS = 3 };
 
 /*
  * Let electrodes fail one after the other, RUNS_OF_EACH times each, on structures around the model.
  *   stride in  only every `stride`-th of these runs is made
  */
-static named run_faults(rig *r, const row *row, pzs_electrode_fault fault, size_t stride)
+static void run_faults(fault_rig *rig, const row *row, pzs_electrode_fault fault, size_t stride,
+                       named *result)
 {
-    named result = {0};
-    for (size_t k = 0; k < RUNS_OF_EACH * r->inputs; k += stride) {
-        const size_t j = k % r->inputs, seed = 100 + j + 1000 * (k / r->inputs);
-        start(r, seed, gains[k % 3], frequencies[k / 3 % 3], row->ceramic, STORM_EVERY);
-        try_fault(r, j, (j + row->second) % r->inputs, fault, &result);
+    memset(result, 0, sizeof *result);
+    for (size_t k = 0; k < RUNS_OF_EACH * rig->inputs; k += stride) {
+        int ticks[PHASES];
+        const size_t j = k % rig->inputs, second = (j + row->second) % rig->inputs;
+        const size_t seed = 100 + j + 1000 * (k / rig->inputs);
+        fault_rig_start(rig, seed, gains[k % 3], frequencies[k / 3 % 3], row->ceramic, STORM_EVERY);
+        try_fault(rig, j, second, fault, ticks);
+        count_findings(rig, j, second, fault, ticks, result);
     }
-    return result;
 }
 
 /*
@@ -553,7 +469,7 @@ static named run_faults(rig *r, const row *row, pzs_electrode_fault fault, size_
  * is inversely proportional to the stated noise, and above 17 every electrode is said to be
  * detectable, below it none. Returns the number of failures.
  */
-static long check_detection(rig *r)
+static long check_detection(fault_rig *rig)
 {
     static const double factors[] = {1, 10, 1e6};
     double ratio[3] = {0};
@@ -561,55 +477,91 @@ static long check_detection(rig *r)
     for (int k = 0; k < 3; k++) {
         detection detection;
         char text[SCENE_ERROR];
-        for (size_t i = 0; i < r->sensors; i++)
-            r->pulses.stated[i] *= factors[k];
-        (void)detection_of(&detection, &r->blocks);
-        for (size_t i = 0; i < r->sensors; i++)
-            r->pulses.stated[i] /= factors[k];
-        detection_text(&detection, &r->run.analysis.design, text);
+        for (size_t i = 0; i < rig->sensors; i++)
+            rig->pulses.stated[i] *= factors[k];
+        (void)detection_of(&detection, &rig->blocks);
+        for (size_t i = 0; i < rig->sensors; i++)
+            rig->pulses.stated[i] /= factors[k];
+        detection_text(&detection, &rig->run.analysis.design, text);
         if (k == 0)
             printf("  %s\n", text);
         ratio[k] = detection.ratio * factors[k];
-        failures += detection.detectable != (k < 2 ? (int)r->inputs : 0);
+        failures += detection.detectable != (k < 2 ? (int)rig->inputs : 0);
         failures += fabs(ratio[k] - ratio[0]) > 1e-9 * ratio[0];
         detection_close(&detection);
     }
     return failures;
 }
 
+static int compare_ticks(const void *first, const void *second)
+{
+    return *(const int *)first - *(const int *)second;
+}
+
+/* Print mean, nine tenths and largest of the durations of a phase. */
+static void print_phase(const char *name, int *ticks, int count)
+{
+    double sum = 0;
+    for (int k = 0; k < count; k++)
+        sum += ticks[k];
+    qsort(ticks, (size_t)count, sizeof *ticks, compare_ticks);
+    printf(" %s %.0f / %d / %d;", name, count > 0 ? sum / count : 0,
+           count > 0 ? ticks[(count * 9 + 9) / 10 - 1] : 0, count > 0 ? ticks[count - 1] : 0);
+}
+
+/* Print the findings of the runs with one kind of fault, and the durations of their phases. */
+static void print_named(const fault_rig *rig, const char *fault, named *n)
+{
+    printf("  %-8s: %d of %d held, %d others lack at most 5 %% of their range, %d named exactly, "
+           "%d healthy ones held; in %d %d ticks of motion and a proof of %d suffice\n"
+           "           ticks (mean / 90 %% / slowest):",
+           fault, n->right, n->runs, n->slight, n->exact, n->wrong, n->early, STORM_TICKS,
+           proof_ticks(rig));
+    for (int phase = 0; phase < PHASES; phase++)
+        print_phase(phase_name[phase], n->ticks[phase], n->right);
+    printf("\n");
+}
+
 /*
  * Measure one row.
  *   ticks  in  number of ticks without a fault for each mean time between jumps of the target
  *   stride in  only every `stride`-th of the runs with a fault is made
+ *   total  in/out  tests under loads timed to test pulses, and healthy electrodes held in them
  * Returns the number of failures: healthy electrodes that are held, and kinds of faults of which
  * too few are held.
  */
-static long measure(rig *r, const row *row, int ticks, size_t stride)
+static long measure(fault_rig *rig, const row *row, int ticks, size_t stride, tally *total)
 {
     static const int every[] = {40, 600, 2500};
     static const char *const word[] = {"none", "dead", "stuck", "reversed"};
     long failures = 0;
     printf("%s\n", row->name);
-    r->noise = row->noise;
-    r->missed = row->missed;
-    failures += check_detection(r);
+    rig->noise = row->noise;
+    rig->missed = row->missed;
+    failures += check_detection(rig);
     for (int i = 0; i < 3; i++) {
-        const tally tally = run_healthy(r, ticks, every[i], row->ceramic);
+        const tally tally = run_healthy(rig, ticks, every[i], row->ceramic);
         printf("  jumps every %5d ticks: %ld healthy ticks, %ld suspected, %ld held, %ld alarms\n",
                every[i], tally.ticks, tally.tests, tally.held, tally.alarms);
-        failures += tally.held + tally.alarms;
+        failures += tally.held + (row->is_stopped ? 0 : tally.alarms);
     }
-    const tally loaded = run_loads(r, 2 * ticks, row->ceramic);
+    const tally loaded = run_loads(rig, 2 * ticks, row->ceramic);
     printf(
         "  loads that jump during tests: %ld healthy ticks, %ld suspected, %ld held, %ld alarms\n",
         loaded.ticks, loaded.tests, loaded.held, loaded.alarms);
-    failures += loaded.held + loaded.alarms;
+    failures += loaded.held;
+    failures += row->is_stopped ? 0 : loaded.alarms;
+    for (int k = 0; k < COURSES; k++) {
+        const tally timed = run_timed_loads(rig, (course)k, 2 * ticks, row->ceramic);
+        printf("  loads that %s with test pulses: %ld suspected, %ld held, %ld alarms\n",
+               course_name[k], timed.tests, timed.held, timed.alarms);
+        total->tests += timed.tests;
+        total->held += timed.held;
+    }
     for (int fault = PZS_FAULT_DEAD; fault <= PZS_FAULT_REVERSED; fault++) {
-        const named n = run_faults(r, row, (pzs_electrode_fault)fault, stride);
-        printf("  %-8s: %d of %d held, %d others lack at most 5 %% of their range, %d named "
-               "exactly, %d healthy ones held, mean %.0f, slowest %d ticks after the storm\n",
-               word[fault], n.right, n.runs, n.slight, n.exact, n.wrong, n.sum / fmax(n.right, 1),
-               n.slowest);
+        static named n;
+        run_faults(rig, row, (pzs_electrode_fault)fault, stride, &n);
+        print_named(rig, word[fault], &n);
         failures += n.wrong + (100 * n.right < row->least * n.runs);
         fflush(stdout);
     }
@@ -622,16 +574,20 @@ int main(int count, char **argument)
     const int ticks = is_full ? atoi(argument[1]) : 3000;
     const int measured = is_full ? ROWS : QUICK_ROWS;
     const char *name = count > 2 ? argument[2] : "";
-    static rig rig;
+    static fault_rig rig;
+    tally total = {0};
     long failures = 0;
     for (int k = 0; k < measured; k++) {
         if (*name && !strstr(rows[k].name, name))
             continue;
-        if (open_rig(&rig, rows[k].compensated, rows[k].readings) < 0)
+        if (fault_rig_open(&rig, rows[k].structure, rows[k].compensated) < 0)
             return 1;
-        failures += measure(&rig, &rows[k], ticks, is_full ? 1 : 15);
-        close_rig(&rig);
+        failures += measure(&rig, &rows[k], ticks, is_full ? 1 : 15, &total);
+        fault_rig_close(&rig);
     }
+    printf("loads timed to test pulses: %ld healthy electrodes held in %ld tests\n", total.held,
+           total.tests);
+    failures += 1000 * total.held > TIMED_LIMIT * total.tests;
     printf("%s - %ld failures\n", failures ? "not ok" : "ok", failures);
     return failures > 0;
 }
