@@ -268,18 +268,20 @@ double loop_work_detector(const block_counts *of, const loop_processor *on)
 }
 
 /*
- * Upper bound of the instructions of the fault detector of a loop that damps vibration. In its
- * longest tick it compares mean readings with those of an earlier standstill of the target, and
- * chooses the electrode to be suspected.
+ * Upper bound of the instructions of the fault detector of a loop that damps vibration. In one of
+ * its longest ticks it estimates the voltage errors of all electrodes from the changes of the
+ * readings: a sum of the rows of the influence matrix, a solution, and a product with the matrix.
+ * In others it measures a test pulse: a product and scalar products over the readings, or a product
+ * and the course of the pulse, whose work does not depend on the size of the loop.
  */
 double loop_work_pulse_detector(const block_counts *of, const loop_processor *on)
 {
     const double inputs = (double)of->inputs, readings = (double)of->readings;
     const double effects =
         of->plays > 0 ? inputs * (200 + 32 * (double)of->plays + 10 * (double)of->creeps) : 0;
-    return 3 * product(on, of->readings, of->inputs) + 3 * product(on, of->inputs, of->inputs) +
-           on->other * (17 * inputs * readings + 160 * readings + 300 * inputs +
-                        20 * (double)of->outputs + effects + 3000);
+    return product(on, of->readings, of->inputs) + product(on, of->inputs, of->inputs) +
+           on->other * (9 * inputs * readings + 160 * readings + 300 * inputs +
+                        20 * (double)of->outputs + effects + 9000);
 }
 
 /*

@@ -269,14 +269,24 @@ static void falsify(int tick)
     }
 }
 
+/*
+ * Return the number of ticks with the same kinds of disturbances. A fault detector that makes test
+ * pulses needs long ones, because it ends its pulses only while the target stands still.
+ */
+static int episode_ticks(void)
+{
+    return has_block(&pzs_pulse_detector_block) ? 8 * EPISODE : EPISODE;
+}
+
 /* Targets and disturbances of one tick of the search; each episode has its own kinds of them. */
 static void disturb(int tick)
 {
     static int hold;
     static pzs_real size;
     static bool is_silent, is_late, is_frozen;
-    if (tick % EPISODE == 0) {
-        hold = 1 << 2 * (int)(uniform() * 4);
+    const int episode = episode_ticks();
+    if (tick % episode == 0) {
+        hold = 1 << 2 * (int)(uniform() * (episode > EPISODE ? 6 : 4));
         size = PZS_R(0.2) + PZS_R(1.8) * uniform();
         is_silent = uniform() < PZS_R(0.2);
         is_late = uniform() < PZS_R(0.2);
@@ -305,7 +315,7 @@ static const pzs_real *acting_voltages(int tick)
     static pzs_real acting[DEMO_INPUTS];
     const bool is_dead = has_block(&pzs_pulse_detector_block);
     memcpy(acting, loop.info.voltage, sizeof acting);
-    if (is_dead && tick >= CALM && tick % (4 * EPISODE) >= 2 * EPISODE)
+    if (is_dead && tick >= CALM && tick % (4 * episode_ticks()) >= 2 * episode_ticks())
         acting[0] = 0;
     return acting;
 }

@@ -96,6 +96,13 @@ if tap_needs "$ARM_CC" 'bounds' && tap_needs "$QEMU" 'bounds'; then
         # shellcheck disable=SC2086
         loop 'governor, self-test, fault detector with pulses' plate-50-patches $limits --set 'control={rate: 300, clock: 168 MHz, moving_target: true}' \
             --set 'safety={selftest: {amplitude: 20, pulse_ticks: 16}}' --set 'simulate={ticks: 100, events: [{at: 10, dead: [v_1_1], announced: detected}]}'
+        # shellcheck disable=SC2086
+        loop 'fault detector with pulses' plate-50-patches $limits --set 'control={rate: 300, clock: 168 MHz}' \
+            --set 'simulate={ticks: 100, events: [{at: 10, dead: [v_1_1], announced: detected}]}'
+        # shellcheck disable=SC2086
+        loop 'fault detector with pulses, hysteresis' plate-50-patches $limits --set 'control={rate: 300, clock: 168 MHz}' \
+            --set 'hysteresis={range: [-300, 300], slopes: [0.36, 0.36, 0.36, 0.36], slack: [37.5, 75, 112.5, 150], above: [0.16, 0.16, 0.16, 0.16]}' \
+            --set 'simulate={ticks: 100, events: [{at: 10, dead: [v_1_1], announced: detected}]}'
         loop 'few sensors, known load, converter steps' plate-few-sensors
         ticks=2001
         loop 'late readings without a damper, fault detector' mirror --set 'loads=[{face: outer, pressure: 1}]' --set 'control={rate: 20, clock: 168 MHz}' \
