@@ -80,6 +80,8 @@ bool detection_of(detection *detection, const loop_blocks *blocks)
     detection->electrodes = design->amplifiers;
     detection->sensors = test->tables.sensors;
     detection->ticks = test->tables.pulse_ticks;
+    detection->motion = (int)PZS_SUSPICION_TICKS(test->tables.pulse_ticks, test->tables.delay);
+    detection->proof = (int)PZS_PROOF_TICKS(test->tables.pulse_ticks, test->tables.delay);
     detection->doubt = calloc((size_t)design->amplifiers + 1, sizeof *detection->doubt);
     const bool has_memory = work && detection->doubt;
     if (has_memory && !PZS_IS_ERROR(pzs_loop_init(&loop, blocks->block, count, NULL, work, need))) {
@@ -120,8 +122,10 @@ void detection_text(const detection *detection, const design *design, char text[
     text[0] = '\0';
     text_append(text, SCENE_ERROR,
                 "fault detector: finds faults of %d of %d electrodes from %d sensors, by test "
-                "pulses of %d ticks",
-                detection->detectable, detection->electrodes, detection->sensors, detection->ticks);
+                "pulses of %d ticks; a fault is suspected within %d ticks of motion, and proved %d "
+                "ticks after it",
+                detection->detectable, detection->electrodes, detection->sensors, detection->ticks,
+                detection->motion, detection->proof);
     if (detection->ratio > 0 && detection->ratio < HUGE_VAL)
         text_append(text, SCENE_ERROR, "; the weakest response, of %s, is %.3g times its noise",
                     design->amplifier_name[detection->weakest], detection->ratio);
@@ -157,6 +161,8 @@ void detection_json(const detection *detection, const design *design, json *json
     json_number(json, "detectable", detection->detectable);
     json_number(json, "sensors", detection->sensors);
     json_number(json, "pulse_ticks", detection->ticks);
+    json_number(json, "motion_ticks", detection->motion);
+    json_number(json, "proof_ticks", detection->proof);
     if (detection->ratio > 0 && detection->ratio < HUGE_VAL) {
         json_number(json, "response_to_noise", detection->ratio);
         json_string(json, "weakest", design->amplifier_name[detection->weakest]);

@@ -27,6 +27,10 @@ typedef struct detection {
     int detectable; /* number of electrodes whose faults the fault detector can find */
     int sensors;    /* number of sensors whose readings the fault detector uses */
     int ticks;      /* duration of a test pulse (ticks) */
+    int motion;     /* longest time in which the target must move until a fault is suspected, if the
+                       readings show it well: two windows in which readings are averaged (ticks) */
+    int proof;      /* time from the last motion of the target until the fault of a suspected
+                       electrode is proved by one undisturbed test pulse (ticks) */
     int weakest;  /* index of the electrode whose response to its test pulse is the weakest relative
                      to noise, among the electrodes that the sensors can tell from others */
     double ratio; /* signal-to-noise ratio (dimensionless) of the electrode `weakest`: response of
