@@ -8,15 +8,9 @@
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
+#include "dense.h"
 #include "propagator.h"
-
-enum { DOUBLINGS = 60 };
-
-/*
- * Relative change of the solution of the vibration observer's Riccati equation at which the
- * doubling iteration has converged.
- */
-static const double converged = 1e-14;
+#include "riccati.h"
 
 /*
  * Variance of the process noise that the vibration observer, a Kalman filter, assumes for the
@@ -46,169 +40,14 @@ damper_settings damper_default_settings(void)
                              .is_gradient = false};
 }
 
-/* ---- dense matrices --------------------------------------------------- */
-
-/*
- * Multiply two matrices: out = a b, or the transpose of a times b if `transposed` is true.
- *   a, b [order][order] in   factors
- *   out  [order][order] out  product, in other memory than a and b
- */
-static void multiply(double *out, const double *a, const double *b, size_t order, bool transposed)
-{
-    memset(out, 0, order * order * sizeof *out);
-    for (size_t i = 0; i < order; i++)
-        for (size_t k = 0; k < order; k++) {
-            const double factor = transposed ? a[k * order + i] : a[i * order + k];
-            for (size_t j = 0; j < order && factor != 0; j++)
-                out[i * order + j] += factor * b[k * order + j];
-        }
-}
-
-static void symmetrise(double *a, size_t order)
-{
-    for (size_t i = 0; i < order; i++)
-        for (size_t j = 0; j < i; j++)
-            a[i * order + j] = a[j * order + i] = (a[i * order + j] + a[j * order + i]) / 2;
-}
-
-static void exchange_rows(double *a, size_t order, size_t i, size_t k)
-{
-    for (size_t j = 0; j < order && i != k; j++) {
-        const double kept = a[i * order + j];
-        a[i * order + j] = a[k * order + j];
-        a[k * order + j] = kept;
-    }
-}
-
-static size_t pivot_row(const double *a, size_t order, size_t column)
-{
-    size_t best = column;
-    for (size_t i = column + 1; i < order; i++)
-        if (fabs(a[i * order + column]) > fabs(a[best * order + column]))
-            best = i;
-    return best;
-}
-
-/*
- * Invert a matrix by Gauss-Jordan elimination with partial pivoting: x = inverse of a.
- *   a [order][order] in   overwritten
- *   x [order][order] out  inverse
- * Returns 0, or -1 where the matrix is singular.
- */
-static int invert(double *a, double *x, size_t order)
-{
-    memset(x, 0, order * order * sizeof *x);
-    for (size_t i = 0; i < order; i++)
-        x[i * order + i] = 1;
-    for (size_t p = 0; p < order; p++) {
-        const size_t row = pivot_row(a, order, p);
-        exchange_rows(a, order, p, row);
-        exchange_rows(x, order, p, row);
-        const double pivot = a[p * order + p];
-        if (!(fabs(pivot) > 0) || !isfinite(pivot))
-            return -1;
-        for (size_t j = 0; j < order; j++) {
-            a[p * order + j] /= pivot;
-            x[p * order + j] /= pivot;
-        }
-        for (size_t i = 0; i < order; i++) {
-            const double factor = i == p ? 0 : a[i * order + p];
-            for (size_t j = 0; j < order && factor != 0; j++) {
-                a[i * order + j] -= factor * a[p * order + j];
-                x[i * order + j] -= factor * x[p * order + j];
-            }
-        }
-    }
-    return 0;
-}
-
 /* ---- Riccati equation ------------------------------------------------- */
 
 /*
- * Work matrices [n][n] of the structured doubling iteration that solves the Riccati equation of the
- * vibration observer, with n = 3 states for each mode.
+ * Set the matrices of the Riccati equation of the vibration observer: transposed transition matrix,
+ * measurement information and process noise of the vibration modes.
  */
-typedef struct doubling {
-    size_t n;
-    double *a, *g, *h; /* [n][n] matrices that each iteration of the structured doubling replaces; h
-                          converges to the solution of the vibration observer's Riccati equation */
-    double *w, *work, *aw, *other; /* [n][n] work matrices of one iteration of the structured
-                                      doubling algorithm. w: inverse of (unit matrix + g h), with
-                                      the present iterates g and h; aw: product of the present
-                                      iterate a and w */
-    double *memory;
-} doubling;
-
-static int doubling_open(doubling *doubling, size_t order)
-{
-    double **const all[] = {&doubling->a,    &doubling->g,  &doubling->h,    &doubling->w,
-                            &doubling->work, &doubling->aw, &doubling->other};
-    const size_t count = sizeof all / sizeof *all;
-    doubling->n = order;
-    doubling->memory = calloc(count * order * order + 1, sizeof *doubling->memory);
-    for (size_t i = 0; i < count && doubling->memory; i++)
-        *all[i] = doubling->memory + i * order * order;
-    return doubling->memory ? 0 : -1;
-}
-
-/*
- * Add the increment `next` to the matrix h, the iterate of the Riccati equation's doubling
- * iteration. Returns the largest entry of the increment relative to the largest entry of h, or NAN
- * where an entry is not finite.
- */
-static double add_change(doubling *doubling, const double *next)
-{
-    double change = 0, size = 0;
-    for (size_t i = 0; i < doubling->n * doubling->n; i++) {
-        doubling->h[i] += next[i];
-        change = fmax(change, fabs(next[i]));
-        size = fmax(size, fabs(doubling->h[i]));
-        if (!isfinite(doubling->h[i]))
-            return (double)NAN;
-    }
-    symmetrise(doubling->h, doubling->n);
-    return size > 0 ? change / size : 0;
-}
-
-/*
- * Do one iteration of the structured doubling for the discrete Riccati equation, whose solution is
- * the limit of h. Returns the relative change of h, or NAN where a matrix is singular.
- *   h becomes h + a' h w a,  g becomes g + a w g a',  a becomes a w a,  with w = (1 + g h)^-1.
- *   a  at first the transposed transition matrix; a' is its transpose
- *   g  at first the information of the measurement
- *   h  at first the process noise
- */
-static double double_once(doubling *doubling)
-{
-    const size_t order = doubling->n;
-    multiply(doubling->work, doubling->g, doubling->h, order, false);
-    for (size_t i = 0; i < order; i++)
-        doubling->work[i * order + i] += 1;
-    if (invert(doubling->work, doubling->w, order) != 0)
-        return (double)NAN;
-    multiply(doubling->aw, doubling->a, doubling->w, order, false);
-    multiply(doubling->work, doubling->w, doubling->a, order, false);
-    multiply(doubling->other, doubling->h, doubling->work, order, false);
-    multiply(doubling->work, doubling->a, doubling->other, order, true);
-    const double change = add_change(doubling, doubling->work);
-    multiply(doubling->work, doubling->aw, doubling->g, order, false);
-    for (size_t i = 0; i < order; i++)
-        for (size_t j = 0; j < order; j++)
-            for (size_t k = 0; k < order; k++)
-                doubling->g[i * order + j] +=
-                    doubling->work[i * order + k] * doubling->a[j * order + k];
-    symmetrise(doubling->g, order);
-    multiply(doubling->work, doubling->aw, doubling->a, order, false);
-    memcpy(doubling->a, doubling->work, order * order * sizeof *doubling->a);
-    return change;
-}
-
-/*
- * Set the initial iterates of the doubling iteration for the vibration observer's Riccati equation:
- * transposed transition matrix, measurement information and process noise of the vibration modes.
- */
-static void start_doubling(doubling *doubling, const damper_model *model,
-                           const damper_settings *settings)
+static void start_riccati(riccati *riccati, const damper_model *model,
+                          const damper_settings *settings)
 {
     const size_t modes = model->modes, all = 3 * modes;
     for (size_t i = 0; i < modes; i++) {
@@ -216,18 +55,18 @@ static void start_doubling(doubling *doubling, const damper_model *model,
         const double fall = model->angle[0] / model->angle[i] / sqrt((double)model->sensors);
         const double kick = settings->kick * fall, drift = settings->drift * fall;
         modal_propagator(model->angle[i], model->ratio[i], 1, r);
-        doubling->a[i * all + i] = r[0];
-        doubling->a[(modes + i) * all + i] = r[1];
-        doubling->a[(2 * modes + i) * all + i] = 1 - r[0];
-        doubling->a[i * all + modes + i] = r[2];
-        doubling->a[(modes + i) * all + modes + i] = r[3];
-        doubling->a[(2 * modes + i) * all + modes + i] = -r[2];
-        doubling->a[(2 * modes + i) * all + 2 * modes + i] = 1;
-        doubling->h[i * all + i] = position_noise;
-        doubling->h[(modes + i) * all + modes + i] = kick * kick;
-        doubling->h[(2 * modes + i) * all + 2 * modes + i] = drift * drift;
+        riccati->a[i * all + i] = r[0];
+        riccati->a[(modes + i) * all + i] = r[1];
+        riccati->a[(2 * modes + i) * all + i] = 1 - r[0];
+        riccati->a[i * all + modes + i] = r[2];
+        riccati->a[(modes + i) * all + modes + i] = r[3];
+        riccati->a[(2 * modes + i) * all + modes + i] = -r[2];
+        riccati->a[(2 * modes + i) * all + 2 * modes + i] = 1;
+        riccati->h[i * all + i] = position_noise;
+        riccati->h[(modes + i) * all + modes + i] = kick * kick;
+        riccati->h[(2 * modes + i) * all + 2 * modes + i] = drift * drift;
         for (size_t j = 0; j < modes; j++)
-            doubling->g[i * all + j] = model->overlap[i * modes + j];
+            riccati->g[i * all + j] = model->overlap[i * modes + j];
     }
 }
 
@@ -236,23 +75,23 @@ static void start_doubling(doubling *doubling, const damper_model *model,
  *   observer [3 modes][modes] out  gains by which the position, the velocity and the static
  *                                  position under loads of each mode are corrected
  */
-static int fill_observer(double *observer, doubling *doubling, const damper_model *model)
+static int fill_observer(double *observer, riccati *riccati, const damper_model *model)
 {
     const size_t modes = model->modes, all = 3 * modes;
     for (size_t i = 0; i < modes; i++)
         for (size_t j = 0; j < modes; j++) {
             double sum = i == j ? 1 : 0;
             for (size_t k = 0; k < modes; k++)
-                sum += model->overlap[i * modes + k] * doubling->h[k * all + j];
-            doubling->work[i * modes + j] = sum;
+                sum += model->overlap[i * modes + k] * riccati->h[k * all + j];
+            riccati->work[i * modes + j] = sum;
         }
-    if (invert(doubling->work, doubling->w, modes) != 0)
+    if (dense_invert(riccati->work, riccati->w, modes) != 0)
         return -1;
     for (size_t i = 0; i < all; i++)
         for (size_t j = 0; j < modes; j++) {
             observer[i * modes + j] = 0;
             for (size_t k = 0; k < modes; k++)
-                observer[i * modes + j] += doubling->h[i * all + k] * doubling->w[k * modes + j];
+                observer[i * modes + j] += riccati->h[i * all + k] * riccati->w[k * modes + j];
         }
     return 0;
 }
@@ -260,18 +99,17 @@ static int fill_observer(double *observer, doubling *doubling, const damper_mode
 static int solve_observer(damper_gains *gains, const damper_model *model,
                           const damper_settings *settings)
 {
-    doubling doubling;
-    double change = 1;
-    if (doubling_open(&doubling, 3 * model->modes) != 0)
-        return -1;
-    start_doubling(&doubling, model, settings);
-    for (int i = 0; i < DOUBLINGS && change > converged; i++)
-        change = double_once(&doubling);
-    const int failed =
-        change <= 100 * converged ? fill_observer(gains->observer, &doubling, model) : -1;
+    riccati riccati;
+    int failed = riccati_open(&riccati, 3 * model->modes);
+    if (!failed) {
+        start_riccati(&riccati, model, settings);
+        failed = riccati_solve(&riccati);
+    }
+    if (!failed)
+        failed = fill_observer(gains->observer, &riccati, model);
     if (!failed && gains->covariance)
-        memcpy(gains->covariance, doubling.h, doubling.n * doubling.n * sizeof *doubling.h);
-    free(doubling.memory);
+        memcpy(gains->covariance, riccati.h, riccati.order * riccati.order * sizeof *riccati.h);
+    riccati_close(&riccati);
     return failed;
 }
 
@@ -291,7 +129,7 @@ static int fill_explain(double *explain, const damper_model *model)
         trace += copy[i * modes + i];
     for (size_t i = 0; i < modes; i++)
         copy[i * modes + i] += ridge * trace / (double)modes;
-    const int failed = invert(copy, explain, modes);
+    const int failed = dense_invert(copy, explain, modes);
     free(copy);
     return failed;
 }
