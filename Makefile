@@ -174,7 +174,7 @@ $(call for_variants,loop_blocks,64 32 san64 san32,)
 $(call for_variants,late,64 32 san64 san32,)
 $(call for_variants,modal_gains,64 32 san64 san32,)
 $(call for_variants,sensor_gate,64 32 san64 san32,)
-DAMPED := @tests/rigs/damped_loop.o @tests/rigs/testdata.o @host_tools/model/damper_gains.o @host_tools/model/dense.o @host_tools/model/riccati.o @host_tools/model/propagator.o @bridge64.o
+DAMPED := @tests/rigs/damped_loop.o @tests/rigs/loop_tests.o @tests/rigs/testdata.o @host_tools/model/damper_gains.o @host_tools/model/dense.o @host_tools/model/riccati.o @host_tools/model/propagator.o @bridge64.o
 $(call for_variants,vibration_block,64 32 san64 san32,$(DAMPED))
 $(call for_variants,polarity,64 32 san64 san32,$(DAMPED))
 $(call for_variants,selftest,64 32 san64 san32,@bridge64.o)

@@ -383,8 +383,14 @@ static void start(damped_loop *loop)
         loop->block[count++] = (pzs_block){&pzs_governor_block, &loop->governor};
         bytes += PZS_GOVERNOR_BLOCK_BYTES(inputs, outputs);
     }
-    loop->block[count++] = (pzs_block){&pzs_vibration_block, &loop->vibration};
-    loop->block[count++] = (pzs_block){&pzs_step_block, &loop->problem};
+    if (!loop->is_undamped) {
+        loop->block[count++] = (pzs_block){&pzs_vibration_block, &loop->vibration};
+    } else if (loop->lateness.delay > 0) {
+        loop->block[count++] = (pzs_block){&pzs_reading_delay_block, &loop->lateness};
+        bytes += PZS_READING_DELAY_BLOCK_BYTES(inputs, loop->sensors, loop->lateness.delay);
+    }
+    loop->block[count++] =
+        loop->law.type ? loop->law : (pzs_block){&pzs_step_block, &loop->problem};
     if (loop->amplifier.step > 0) {
         loop->block[count++] = (pzs_block){&pzs_amplifier_block, &loop->amplifier};
         bytes += PZS_AMPLIFIER_BLOCK_BYTES(inputs);
@@ -425,6 +431,8 @@ void damped_loop_open(damped_loop *loop, const modal_structure *structure, doubl
     loop->history = zeros(HISTORY * outputs);
     loop->read = zeros(outputs);
     loop->position = zeros(structure->modes);
+    loop->deviation = zeros(structure->modes);
+    loop->turn = zeros(4 * structure->modes);
     loop->velocity = zeros(structure->modes);
     loop->wanted = calloc(outputs, sizeof *loop->wanted);
     loop->sensed = calloc(outputs, sizeof *loop->sensed);
@@ -434,6 +442,20 @@ void damped_loop_open(damped_loop *loop, const modal_structure *structure, doubl
     fill_vibration(loop, &at, delay);
     assert_int_equal(at - loop->tables, reals);
     damped_loop_reset(loop, EXACT_PLANT);
+}
+
+void damped_loop_replace(damped_loop *loop, const pzs_block *law, bool is_observed,
+                         bool is_corrected)
+{
+    const int delay = is_corrected ? loop->vibration.delay : 0;
+    assert_true(loop->sensors == loop->structure->outputs);
+    loop->law = *law;
+    loop->is_undamped = !is_observed;
+    loop->lateness = (pzs_reading_delay){.inputs = loop->problem.inputs,
+                                         .sensors = (uint16_t)loop->sensors,
+                                         .delay = (uint16_t)delay};
+    assert_int_equal(pzs_reading_delay_seal(&loop->lateness), PZS_OK);
+    damped_loop_reset(loop, loop->error);
 }
 
 void damped_loop_supervise(damped_loop *loop)
@@ -473,6 +495,8 @@ void damped_loop_close(damped_loop *loop)
     free(loop->history);
     free(loop->read);
     free(loop->position);
+    free(loop->deviation);
+    free(loop->turn);
     free(loop->velocity);
     free(loop->wanted);
     free(loop->sensed);
@@ -493,6 +517,9 @@ void damped_loop_reset(damped_loop *loop, plant_error error)
     loop->is_stuck_noisy = false;
     loop->sensor_gain = 1;
     loop->sensor_offset = 0;
+    for (size_t k = 0; k < structure->modes; k++)
+        modal_propagator(structure->omega[k] * error.frequency, structure->ratio[k] * error.ratio,
+                         loop->interval, loop->turn + 4 * k);
     memset(loop->position, 0, structure->modes * sizeof *loop->position);
     memset(loop->velocity, 0, structure->modes * sizeof *loop->velocity);
     memset(loop->shape, 0, structure->outputs * sizeof *loop->shape);
@@ -516,28 +543,37 @@ static void act(damped_loop *loop)
     }
 }
 
+/* Advance the modes of the plant by one tick; deviation [modes]: distances from their rest. */
+static void move_modes(damped_loop *loop)
+{
+    const modal_structure *structure = loop->structure;
+    for (size_t k = 0; k < structure->modes; k++) {
+        const double *turn = loop->turn + 4 * k, *modal = structure->modal + k * structure->inputs;
+        double rest = loop->load * structure->load[k];
+        for (size_t j = 0; j < structure->inputs; j++)
+            rest += loop->error.gain * modal[j] * loop->voltage[j];
+        const double deviation = loop->position[k] - rest, speed = loop->velocity[k];
+        loop->deviation[k] = turn[0] * deviation + turn[1] * speed;
+        loop->velocity[k] = turn[2] * deviation + turn[3] * speed;
+        loop->position[k] = rest + loop->deviation[k];
+    }
+}
+
 void damped_loop_move_plant(damped_loop *loop)
 {
     const modal_structure *structure = loop->structure;
-    const size_t modes = structure->modes, inputs = structure->inputs;
     act(loop);
+    move_modes(loop);
     for (size_t i = 0; i < structure->outputs; i++) {
-        loop->shape[i] = loop->load * structure->load_shape[i];
-        for (size_t j = 0; j < inputs; j++)
-            loop->shape[i] +=
-                loop->error.gain * structure->influence[i * inputs + j] * loop->voltage[j];
-    }
-    for (size_t k = 0; k < modes; k++) {
-        double turn[4], rest = loop->load * structure->load[k];
-        for (size_t j = 0; j < inputs; j++)
-            rest += loop->error.gain * structure->modal[k * inputs + j] * loop->voltage[j];
-        modal_propagator(structure->omega[k] * loop->error.frequency,
-                         structure->ratio[k] * loop->error.ratio, loop->interval, turn);
-        const double deviation = loop->position[k] - rest, speed = loop->velocity[k];
-        loop->position[k] = rest + turn[0] * deviation + turn[1] * speed;
-        loop->velocity[k] = turn[2] * deviation + turn[3] * speed;
-        for (size_t i = 0; i < structure->outputs; i++)
-            loop->shape[i] += structure->shape[i * modes + k] * (loop->position[k] - rest);
+        const double *influence = structure->influence + i * structure->inputs,
+                     *shape = structure->shape + i * structure->modes;
+        double sum = 0;
+        for (size_t j = 0; j < structure->inputs; j++)
+            sum += influence[j] * loop->voltage[j];
+        sum = loop->error.gain * sum + loop->load * structure->load_shape[i];
+        for (size_t k = 0; k < structure->modes; k++)
+            sum += shape[k] * loop->deviation[k];
+        loop->shape[i] = sum;
     }
 }
 

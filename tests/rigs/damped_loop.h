@@ -83,6 +83,11 @@ typedef struct damped_loop {
     plant_error error;
     double load;                 /* factor of the load on the plant */
     double *position, *velocity; /* [modes of the structure] state of the plant */
+    double *deviation;           /* [modes of the structure] distance from static equilibrium */
+    double *turn;                /* [modes of the structure][4] propagators of the plant */
+    pzs_block law;    /* control law in place of the control step; type NULL: the control step */
+    bool is_undamped; /* the loop has no vibration damper */
+    pzs_reading_delay lateness; /* correction of late readings of a loop without a damper */
     double *voltage, *played, *shape, *reading, *history;
     pzs_real *wanted, *sensed;
     int tick;
@@ -117,6 +122,16 @@ void damped_loop_open(damped_loop *loop, const modal_structure *structure, doubl
                       double step_limit, int delay, const size_t *sensor, size_t sensors,
                       const damper_settings *settings);
 void damped_loop_close(damped_loop *loop);
+
+/*
+ * Put another control law in the place of the control step. All outputs are sensors.
+ *   law          in  block of the phase PZS_PHASE_STEP that needs no more memory than
+ * pzs_step_block; its tables must outlive the loop is_observed  in  true: the loop keeps its
+ * vibration damper, whose estimates the law may read is_corrected in  a loop without damper has
+ * pzs_reading_delay_block for late readings
+ */
+void damped_loop_replace(damped_loop *loop, const pzs_block *law, bool is_observed,
+                         bool is_corrected);
 
 /*
  * Give the loop a supervisor, from the next reset on, with the settings that `pzs tables` gives a

@@ -5,6 +5,7 @@
  *
  * SPDX-License-Identifier: BSD-2-Clause
  */
+#include <limits.h>
 #include <math.h>
 #include <setjmp.h>
 #include <stdarg.h>
@@ -13,7 +14,7 @@
 #include <string.h>
 #include <cmocka.h>
 #include "../../lib/control/control.h"
-#include "../rigs/damped_loop.h"
+#include "../rigs/loop_tests.h"
 #include "../rigs/testdata.h"
 #include "../rigs/uniform.h"
 
@@ -24,86 +25,23 @@ enum { STORM_DELAYS = 1 };
 enum { STORM_DELAYS = 3 };
 #endif
 
-/* Ticks of one period of the first mode. */
-static int period_of(const modal_structure *s, double interval)
-{
-    return (int)(6.283185307179586 / s->omega[0] / interval);
-}
-
-static int clip(double x, int least, int most)
-{
-    const int rounded = (int)x;
-    const int raised = rounded < least ? least : rounded;
-    return raised > most ? most : raised;
-}
-
-/* One of the targets of a storm: the goal, its opposite, or a shape of voltages up to twice the
- * limits. */
-static void throw_target(const modal_structure *s, unsigned *seed, double *wanted)
-{
-    const int which = (int)uniform(seed, 0, 4);
-    memset(wanted, 0, s->outputs * sizeof *wanted);
-    if (which < 2)
-        for (size_t i = 0; i < s->outputs; i++)
-            wanted[i] = which == 0 ? s->goal[i] : -s->goal[i];
-    for (size_t j = 0; j < s->inputs && which >= 2; j++) {
-        const double any = uniform(seed, -2 * s->limit, 2 * s->limit);
-        const double end = any < 0 ? -2 * s->limit : 2 * s->limit;
-        const double v = which == 2 ? any : end;
-        for (size_t i = 0; i < s->outputs; i++)
-            wanted[i] += s->influence[i * s->inputs + j] * v;
-    }
-}
-
-/*
- * Targets thrown every .6 periods of the first mode, then the goal. Returns the largest distance
- * from the bounded optimum of the plant in the last period.
- */
-static double storm(damped_loop *d, plant_error error, int rest)
-{
-    const modal_structure *s = d->structure;
-    const int period = period_of(s, d->interval), every = clip(0.6 * period, 10, 1200), throws = 10,
-              last = clip(period, 20, 500);
-    double *wanted = calloc(2 * s->outputs, sizeof *wanted), *best = wanted + s->outputs, end = 0;
-    unsigned seed = 3;
-    assert_non_null(wanted);
-    damped_loop_reset(d, error);
-    damped_loop_optimum(d, s->goal, best);
-    for (int k = 0; k < throws * every + rest; k++) {
-        if (k < throws * every && k % every == 0)
-            throw_target(s, &seed, wanted);
-        const double *now = k < throws * every ? wanted : s->goal;
-        assert_false(PZS_IS_ERROR(damped_loop_tick(d, now)));
-        if (k >= throws * every + rest - last)
-            end = fmax(end, damped_loop_distance(d, best));
-    }
-    free(wanted);
-    return end;
-}
-
 /* Thirty storms: five plants, three delays, two step limits. Returns the number that do not settle
  * within 5 %. */
 static int thirty_storms(const modal_structure *s, double interval, const damper_settings *settings,
                          double *worst)
 {
     static const int delay[] = {0, 1, 3};
-    static const double gain[] = {1, 0.8, 0.8, 1.33, 1.33}, frequency[] = {1, 0.9, 1.1, 0.9, 1.1};
-    int failed = 0;
-    *worst = 0;
+    storm_tally tally = {0};
     for (int slew = 0; slew < 2; slew++)
         for (int k = 0; k < STORM_DELAYS; k++) {
             damped_loop d;
             damped_loop_open(&d, s, interval, s->limit / (slew ? 60 : 15), delay[k], NULL, 0,
                              settings);
-            for (int p = 0; p < 5; p++) {
-                const plant_error error = {gain[p], frequency[p], 1, delay[k], 0, 0, 1e-4};
-                const double end = storm(&d, error, clip(12 * period_of(s, interval), 1200, 1500));
-                failed += !(end < 0.05);
-                *worst = fmax(*worst, end);
-            }
+            loop_storms(&d, delay[k], INT_MAX, &tally);
             damped_loop_close(&d);
         }
-    return failed;
+    *worst = tally.worst;
+    return tally.failed;
 }
 
 static void plate_settles_after_storms(void **state)
@@ -117,81 +55,6 @@ static void plate_settles_after_storms(void **state)
     print_message("plate: %d of 30 storms fail, worst %.3g\n", failed, worst);
     assert_int_equal(failed, 0);
     structure_close(&s);
-}
-
-/* Ticks until the distance from a shape stays below 5 %. */
-static int settle(damped_loop *d, const double *wanted, int ticks)
-{
-    double *best = calloc(d->structure->outputs, sizeof *best);
-    int last = -1;
-    assert_non_null(best);
-    damped_loop_optimum(d, wanted, best);
-    for (int k = 0; k < ticks; k++) {
-        (void)damped_loop_tick(d, wanted);
-        if (!(damped_loop_distance(d, best) < 0.05))
-            last = k;
-    }
-    free(best);
-    return last + 1;
-}
-
-/* Factor of the load whose static shape has a third of the size of the goal. */
-static double moderate_load(const modal_structure *s)
-{
-    double load = 0, goal = 0;
-    for (size_t i = 0; i < s->outputs; i++) {
-        load += pow(s->load_shape[i], 2);
-        goal += pow(s->goal[i], 2);
-    }
-    return 0.3 * sqrt(goal / load);
-}
-
-/*
- * Ticks until 5 % of the effect of a load are left that appears at once on the loop at rest, with
- * no target.
- */
-static int load_step(damped_loop *d)
-{
-    const modal_structure *s = d->structure;
-    double *nothing = calloc(2 * s->outputs, sizeof *nothing), *best = nothing + s->outputs;
-    double load = 0;
-    int last = 0;
-    assert_non_null(nothing);
-    damped_loop_reset(d, d->error);
-    d->load = moderate_load(s);
-    damped_loop_optimum(d, nothing, best);
-    for (size_t i = 0; i < s->outputs; i++)
-        load += pow(d->load * s->load_shape[i], 2);
-    for (int k = 0; k < 660; k++) {
-        double left = 0;
-        (void)damped_loop_tick(d, nothing);
-        for (size_t i = 0; i < s->outputs; i++)
-            left += pow(d->shape[i] - best[i], 2);
-        last = left > 0.05 * 0.05 * load ? k + 1 : last;
-    }
-    free(nothing);
-    d->load = 0;
-    return last;
-}
-
-/* Ticks until 5 % of the vibration of the first mode after an impulse are left, with no target. */
-static int impulse(damped_loop *d)
-{
-    const modal_structure *s = d->structure;
-    double *nothing = calloc(s->outputs, sizeof *nothing);
-    int last = 0;
-    assert_non_null(nothing);
-    damped_loop_reset(d, d->error);
-    const double start = d->velocity[0] = moderate_load(s) * s->load[0];
-    for (int k = 0; k < 660; k++) {
-        double left = 0;
-        (void)damped_loop_tick(d, nothing);
-        for (size_t i = 0; i < s->outputs; i++)
-            left += d->shape[i] * d->shape[i] / (double)s->outputs;
-        last = sqrt(left) > 0.05 * fabs(start) ? k + 1 : last;
-    }
-    free(nothing);
-    return last;
 }
 
 /* RMS voltage that the noise of the sensors causes, over the voltage limit, with no target. */
@@ -226,14 +89,14 @@ static speed measure_speed(const modal_structure *s, const damper_settings *sett
     assert_non_null(best);
     damped_loop_open(&d, s, 1e-3, 20, 0, NULL, 0, settings);
     assert_int_equal(d.modes, 9);
-    speed.target_step = settle(&d, s->goal, 660);
-    d.load = moderate_load(s);
-    speed.target_and_load = settle(&d, s->goal, 660);
-    (void)settle(&d, s->goal, 2000);
+    speed.target_step = loop_settle(&d, s->goal, 660);
+    d.load = loop_moderate_load(s);
+    speed.target_and_load = loop_settle(&d, s->goal, 660);
+    (void)loop_settle(&d, s->goal, 2000);
     damped_loop_optimum(&d, s->goal, best);
     speed.end = damped_loop_distance(&d, best);
-    speed.load_step = load_step(&d);
-    speed.impulse = impulse(&d);
+    speed.load_step = loop_load_step(&d, 660);
+    speed.impulse = loop_impulse(&d, 660);
     speed.noise = noise_in_voltages(&d);
     damped_loop_close(&d);
     free(best);
@@ -269,7 +132,7 @@ static void plate_settles_fast(void **state)
     speed of[2];
     (void)state;
     structure_of_plate(&s, 60);
-    const int own = (int)(log(20) / (s.ratio[0] * s.omega[0] * 1e-3));
+    const int own = loop_undamped_ticks(&s, 1e-3);
     for (int i = 0; i < 2; i++) {
         of[i] = measure_speed(&s, &settings[i]);
         print_message("plate, %s: target step %d ticks, load step on the target %d ticks, to 5 %% "
@@ -283,7 +146,7 @@ static void plate_settles_fast(void **state)
         assert_in_range(of[i].impulse, 1, own / 30);
         assert_true(of[i].end < 1e-4);
     }
-    assert_in_range(of[1].load_step, 1, 2 * period_of(&s, 1e-3));
+    assert_in_range(of[1].load_step, 1, 2 * loop_period(&s, 1e-3));
     assert_true(of[1].noise < 1.05 * of[0].noise);
     structure_close(&s);
 }
@@ -693,8 +556,8 @@ static void energy_never_rises(void **state)
         for (size_t j = 0; j < s.inputs; j++)
             last[j] = (pzs_real)uniform(&seed, -s.limit, s.limit);
         assert_int_equal(pzs_control_start(control, last), PZS_OK);
-        throw_target(&s, &seed, wanted);
-        throw_target(&s, &seed, disturbance);
+        loop_throw_target(&s, &seed, wanted);
+        loop_throw_target(&s, &seed, disturbance);
         for (size_t k = 0; k < d.modes; k++) {
             const double *row = d.gains.damping + k * s.inputs;
             const size_t j = 0;
@@ -764,7 +627,7 @@ static void rest_is_the_bounded_optimum(void **state)
     for (int size = 1; size <= 4; size *= 2) {
         plant_error error = {0.9, 1.05, 4, 1, 0, 0, 0};
         damped_loop_reset(&d, error);
-        d.load = size * moderate_load(&s);
+        d.load = size * loop_moderate_load(&s);
         for (size_t i = 0; i < s.outputs; i++)
             wanted[i] = size * s.goal[i];
         if (size == 4) {
@@ -864,7 +727,7 @@ static void few_sensors_settle(void **state)
         damped_loop d;
         damped_loop_open(&d, &s, 1e-3, 20, delay, sensor, 8, &settings);
         const plant_error error = {1.2, 0.95, 1, delay, 0, 0, 1e-4};
-        storm(&d, error, 1200);
+        loop_storm(&d, error, 1200);
         const pzs_damper *damper = pzs_loop_find(&d.loop, &pzs_vibration_block);
         double goal = 0;
         for (size_t i = 0; i < s.outputs; i++)
@@ -877,32 +740,6 @@ static void few_sensors_settle(void **state)
         damped_loop_close(&d);
     }
     structure_close(&s);
-}
-
-/* RMS distance from a target that moves as a sine of `periods` periods of the first mode, over the
- * target's RMS, after the start. */
-static double tracking_error(damped_loop *d, double periods)
-{
-    const modal_structure *s = d->structure;
-    const double period = periods * period_of(s, d->interval);
-    const int ticks = (int)(3 * period);
-    double *wanted = calloc(2 * s->outputs, sizeof *wanted), *half = wanted + s->outputs, sum = 0,
-           goal = 0;
-    for (size_t i = 0; i < s->outputs; i++)
-        half[i] = s->goal[i] / 2;
-    damped_loop_reset(d, d->error);
-    for (int k = 0; k < ticks; k++) {
-        const double factor = sin(6.283185307179586 * k / period);
-        for (size_t i = 0; i < s->outputs; i++)
-            wanted[i] = factor * half[i];
-        (void)damped_loop_tick(d, wanted);
-        for (size_t i = 0; i < s->outputs && k > ticks / 3; i++) {
-            sum += pow(d->shape[i] - wanted[i], 2);
-            goal += pow(wanted[i], 2);
-        }
-    }
-    free(wanted);
-    return sqrt(sum / goal);
 }
 
 /*
@@ -919,19 +756,19 @@ static void follow_moving_targets(const damper_settings *settings)
     d.error.delay = 1;
     for (int with = 0; with < 2; with++) {
         d.governor.part = with ? PZS_R(0.5) : 0;
-        error[with][0] = tracking_error(&d, 10);
-        error[with][1] = tracking_error(&d, 4);
+        error[with][0] = loop_tracking_error(&d, 10);
+        error[with][1] = loop_tracking_error(&d, 4);
         print_message("governor %d: RMS error of a sine of 10 periods %.3g, of 4 periods %.3g\n",
                       with, error[with][0], error[with][1]);
     }
     assert_true(error[0][0] > 0.2 && error[1][0] < error[0][0] / 4);
     assert_true(error[1][1] < error[0][1] / 4);
     damped_loop_reset(&d, d.error);
-    const int step = settle(&d, s.goal, 660);
+    const int step = loop_settle(&d, s.goal, 660);
     double end = 0;
     for (int k = 0; k < 4; k++) {
         const plant_error wrong = {k & 1 ? 1.33 : 0.8, k & 2 ? 1.1 : 0.9, 1, 1, 0, 0, 1e-4};
-        end = fmax(end, storm(&d, wrong, 1200));
+        end = fmax(end, loop_storm(&d, wrong, 1200));
     }
     print_message("with the governor: target step %d ticks, storms end within %.2g\n", step, end);
     assert_in_range(step, 1, 60);
