@@ -11,6 +11,7 @@ bool law_open(law *law, const pzs_problem *problem, double regularisation)
 {
     const size_t outputs = problem->outputs;
     memset(law, 0, sizeof *law);
+    law->share = 1;
     law->problem = law->regularised = *problem;
     law->regularised.regularisation += regularisation;
     law->memory = calloc(2 * outputs + problem->inputs + 1, sizeof *law->memory);
@@ -29,12 +30,7 @@ void law_close(law *law)
 
 /* ---- clipping of voltages to limits ----------------------------------- */
 
-/*
- * Copy the voltages that a control law for comparison has computed and clipped to the limits into
- * the library's controller. Where actuators have curves, these are effects: values to which the
- * displacements of the actuators are proportional.
- */
-static void set_voltages(const law *law, const pzs_loop_signals *signals)
+void law_set_voltages(const law *law, const pzs_loop_signals *signals)
 {
     pzs_control *control = signals->control;
     const pzs_control_info *info = &control->info;
@@ -99,7 +95,9 @@ static pzs_status clipped_tick(void *self, pzs_loop_signals *signals)
     }
     if (!unconstrained_solve(&law->solver, law->required, law->next))
         return PZS_E_NONFINITE;
-    set_voltages(law, signals);
+    for (size_t k = 0; k < law->problem.inputs && law->share < 1; k++)
+        law->next[k] = voltage[k] + law->share * (law->next[k] - voltage[k]);
+    law_set_voltages(law, signals);
     return PZS_OK;
 }
 
@@ -116,7 +114,7 @@ static pzs_status leaky_tick(void *self, pzs_loop_signals *signals)
         return PZS_E_NONFINITE;
     for (size_t k = 0; k < law->problem.inputs; k++)
         law->next[k] = (1 - law->leak) * voltage[k] + law->gain * law->next[k];
-    set_voltages(law, signals);
+    law_set_voltages(law, signals);
     return PZS_OK;
 }
 

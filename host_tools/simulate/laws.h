@@ -23,6 +23,8 @@ typedef struct law {
     double gain, leak; /* leaky integrator: gain, the factor of the least-squares voltages for the
                           present error of the shape, and leak, the part of the voltages that a tick
                           removes (dimensionless) */
+    double share;   /* clipped least squares: part of the way to the least-squares voltages that a
+                       tick goes, 1 by default */
     double *memory; /* one allocation that holds the arrays disturbance, required and next of this
                        struct */
     double *disturbance; /* [outputs] last known difference between the measured and the predicted
@@ -41,8 +43,16 @@ bool law_open(law *law, const pzs_problem *problem, double regularisation);
 void law_close(law *law);
 
 /*
+ * Clip the voltages `next` of a control law for comparison to voltage limits and step limits, and
+ * copy them into the library's controller. Where actuators have curves, these are effects: values
+ * to which the displacements of the actuators are proportional.
+ */
+void law_set_voltages(const law *law, const pzs_loop_signals *signals);
+
+/*
  * Block of a control tick for clipped least squares: least-squares voltages without limits for
- * (target - last measured disturbance), then clipped to their limits.
+ * (target - last measured disturbance), or the part `share` of the way to them, then clipped to
+ * their limits.
  */
 extern const pzs_block_type law_clipped_block;
 

@@ -103,3 +103,14 @@ bench-growth:
 	@$(CC) $(SHIPPED) -DPZS_REAL_BITS=64 tests/bench/bench_growth.c $(STEP_SOURCES) -lopenblas -lm -o $(B)/bench/growth
 	@echo 'Growth of the controller with the number of inputs, against OpenBLAS'
 	@OPENBLAS_NUM_THREADS=1 $(B)/bench/growth
+
+# Control laws on a plate with inertia, each with the best settings of a search: a quarter of an hour. Writes their table
+# into tests/bench/README.md; not part of `make bench`.
+$(B)/bench/laws: $(B)/64/tests/bench/bench_laws.o $(RIVALS:@%=$(B)/64/%) $(B)/64/tests/rigs/scene_run.o $(B)/64/host.a \
+    $(B)/64/libpiezoshape.a
+	@mkdir -p $(@D)
+	$(CC) $^ -lcmocka $(HOST_LIBS) -o $@
+.PHONY: bench-laws
+bench-laws: $(B)/bench/laws
+	@echo 'Control laws on a plate with inertia'
+	@B=$(B) sh tests/bench/laws.sh --write

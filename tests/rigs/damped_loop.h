@@ -72,9 +72,7 @@ typedef struct damped_loop {
     damper_settings settings;
     damper_gains gains; /* gains of the damper in double */
     double *memory;     /* memory of the gains and of the damper's model */
-    double *angle, *ratio, *modal, *overlap, *lift, *square; /* arrays of the damper's model
-                                                                (damper_model) */
-    pzs_real *tables;                                        /* memory of all tables */
+    pzs_real *tables;   /* memory of all tables */
     pzs_problem problem;
     pzs_vibration vibration;
     pzs_block block[6];
@@ -88,7 +86,7 @@ typedef struct damped_loop {
     pzs_block law;    /* control law in place of the control step; type NULL: the control step */
     bool is_undamped; /* the loop has no vibration damper */
     pzs_reading_delay lateness; /* correction of late readings of a loop without a damper */
-    double *voltage, *played, *shape, *reading, *history;
+    double *voltage, *played, *shape, *history;
     pzs_real *wanted, *sensed;
     int tick;
     unsigned seed;

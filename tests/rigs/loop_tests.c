@@ -38,14 +38,13 @@ void loop_throw_target(const modal_structure *structure, unsigned *seed, double 
     }
 }
 
-double loop_storm(damped_loop *loop, plant_error error, int rest)
+double loop_storm(damped_loop *loop, plant_error error, unsigned seed, int rest)
 {
     const modal_structure *structure = loop->structure;
     const int period = loop_period(structure, loop->interval), every = clip(0.6 * period, 10, 1200),
               throws = 10, last = clip(period, 20, 500);
     double *wanted = calloc(2 * structure->outputs, sizeof *wanted),
            *best = wanted + structure->outputs, end = 0;
-    unsigned seed = 3;
     assert_non_null(wanted);
     damped_loop_reset(loop, error);
     damped_loop_optimum(loop, structure->goal, best);
@@ -61,14 +60,14 @@ double loop_storm(damped_loop *loop, plant_error error, int rest)
     return end;
 }
 
-void loop_storms(damped_loop *loop, int delay, int enough, storm_tally *tally)
+void loop_storms(damped_loop *loop, int delay, unsigned seed, int enough, storm_tally *tally)
 {
     static const double gain[LOOP_PLANTS] = {1.33, 1.33, 1, 0.8, 0.8},
                         frequency[LOOP_PLANTS] = {1.1, 0.9, 1, 1.1, 0.9};
     const int rest = clip(12 * loop_period(loop->structure, loop->interval), 1200, 1500);
     for (int k = 0; k < LOOP_PLANTS && tally->failed < enough; k++) {
         const plant_error error = {gain[k], frequency[k], 1, delay, 0, 0, 1e-4};
-        const double end = loop_storm(loop, error, rest);
+        const double end = loop_storm(loop, error, seed, rest);
         tally->storms++;
         tally->failed += !(end < 0.05);
         tally->worst = fmax(tally->worst, end);

@@ -25,9 +25,12 @@ void loop_throw_target(const modal_structure *structure, unsigned *seed, double 
  * Run one storm: ten targets, one every 0.6 periods of the first mode, then the goal. Returns the
  * largest distance from the bounded optimum of the plant in the last period, relative to the goal.
  *   error in  differences between the plant and its model
+ *   seed  in  seed of the random targets
  *   rest  in  number of ticks with the goal as target
  */
-double loop_storm(damped_loop *loop, plant_error error, int rest);
+double loop_storm(damped_loop *loop, plant_error error, unsigned seed, int rest);
+
+#define LOOP_SEED 3u /* seed of the storms' targets, unless another one is asked for */
 
 enum { LOOP_PLANTS = 5 }; /* number of plants on which each loop has its storms */
 
@@ -44,7 +47,7 @@ typedef struct storm_tally {
  * storms in the tally after which no more storms are run tally  in/out  storms of this loop and of
  * others before
  */
-void loop_storms(damped_loop *loop, int delay, int enough, storm_tally *tally);
+void loop_storms(damped_loop *loop, int delay, unsigned seed, int enough, storm_tally *tally);
 
 /*
  * Run the loop with a target from its present state. Returns the number of ticks until the distance

@@ -37,7 +37,7 @@ static int thirty_storms(const modal_structure *s, double interval, const damper
             damped_loop d;
             damped_loop_open(&d, s, interval, s->limit / (slew ? 60 : 15), delay[k], NULL, 0,
                              settings);
-            loop_storms(&d, delay[k], INT_MAX, &tally);
+            loop_storms(&d, delay[k], LOOP_SEED, INT_MAX, &tally);
             damped_loop_close(&d);
         }
     *worst = tally.worst;
@@ -727,7 +727,7 @@ static void few_sensors_settle(void **state)
         damped_loop d;
         damped_loop_open(&d, &s, 1e-3, 20, delay, sensor, 8, &settings);
         const plant_error error = {1.2, 0.95, 1, delay, 0, 0, 1e-4};
-        loop_storm(&d, error, 1200);
+        loop_storm(&d, error, LOOP_SEED, 1200);
         const pzs_damper *damper = pzs_loop_find(&d.loop, &pzs_vibration_block);
         double goal = 0;
         for (size_t i = 0; i < s.outputs; i++)
@@ -768,7 +768,7 @@ static void follow_moving_targets(const damper_settings *settings)
     double end = 0;
     for (int k = 0; k < 4; k++) {
         const plant_error wrong = {k & 1 ? 1.33 : 0.8, k & 2 ? 1.1 : 0.9, 1, 1, 0, 0, 1e-4};
-        end = fmax(end, loop_storm(&d, wrong, 1200));
+        end = fmax(end, loop_storm(&d, wrong, LOOP_SEED, 1200));
     }
     print_message("with the governor: target step %d ticks, storms end within %.2g\n", step, end);
     assert_in_range(step, 1, 60);

@@ -1,0 +1,24 @@
+#!/bin/sh
+# SPDX-License-Identifier: BSD-2-Clause
+# Table of control laws in tests/bench/README.md, from the program that measures them (bench_laws.c).
+#   laws.sh           print the rows
+#   laws.sh --write   print them and put them into the README, between its markers (make bench-laws)
+set -u
+cd "$(dirname "$0")/../.."
+B=${B:-build}
+readme=tests/bench/README.md
+dir=$(mktemp -d)
+trap 'rm -rf "$dir"' EXIT
+
+"$B/bench/laws" >"$dir/rows" || exit 1
+cat "$dir/rows"
+[ "${1:-}" = --write ] || exit 0
+awk -v rows="$dir/rows" '
+    /<!-- \/laws -->/ {skip = 0}
+    !skip {print}
+    /<!-- laws -->/ {
+        print "| law | storms failed of 30 | worst end | with other targets, of 150 | readings one tick older, of 30 | target step | load step on the target | load step alone | impulse | offset | offset at limits | sine | work | settings, for readings 0, 1 and 3 ticks old |"
+        print "|---|---|---|---|---|---|---|---|---|---|---|---|---|---|"
+        while ((getline line <rows) > 0) print line
+        skip = 1
+    }' "$readme" >"$dir/new" && cat "$dir/new" >"$readme"
