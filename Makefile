@@ -176,7 +176,7 @@ $(call for_variants,modal_gains,64 32 san64 san32,)
 $(call for_variants,sensor_gate,64 32 san64 san32,)
 DAMPED := @tests/rigs/damped_loop.o @tests/rigs/loop_tests.o @tests/rigs/testdata.o @host_tools/model/damper_gains.o @host_tools/model/dense.o @host_tools/model/riccati.o @host_tools/model/propagator.o @bridge64.o
 $(call for_variants,vibration_block,64 32 san64 san32,$(DAMPED))
-RIVALS := $(foreach o,rival rival_lqg rival_ppf rival_wish damped_loop loop_tests testdata bridge,@tests/rigs/$(o).o)
+RIVALS := $(foreach o,rival rival_base rival_lqg rival_ppf rival_wish damped_loop loop_tests testdata bridge,@tests/rigs/$(o).o)
 $(call for_variants,rivals,64 san64,$(RIVALS) @host.a)
 $(call for_variants,polarity,64 32 san64 san32,$(DAMPED))
 $(call for_variants,selftest,64 32 san64 san32,@bridge64.o)

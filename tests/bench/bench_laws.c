@@ -8,7 +8,8 @@
  * The vibration damper has the settings of its name, those that its certificate chooses, and for
  * comparison those of such a search.
  *
- *   laws [LAW ...]    the rows of these laws, numbered from 1; default all
+ *   laws NUMBER    the row of one law, numbered from 1
+ *   laws           how many laws there are
  *
  * SPDX-License-Identifier: BSD-2-Clause
  */
@@ -94,9 +95,9 @@ static const struct law_row {
     double governor; /* of RIVAL_DAMPER */
     axis axes[MOST_AXES];
 } laws[] = {
-    {"control step alone", RIVAL_STEP, TUNED, 0, 0,
+    {"control step without damper", RIVAL_STEP, TUNED, 0, 0,
      {{SHARE, 1, {1}}}},
-    {"control step that goes a part of the way", RIVAL_STEP, TUNED, 0, 0,
+    {"the same, going a part of the way in a tick", RIVAL_STEP, TUNED, 0, 0,
      {{SHARE, 8, {0.1, 0.03, 0.01, 0.005, 0.002, 0.001, 0.0005, 0.0002}}}},
     {"leaky integrator", RIVAL_LEAKY, TUNED, 0, 0,
      {{GAIN, 8, {0.3, 0.1, 0.03, 0.01, 0.003, 0.001, 0.0005, 0.0002}},
@@ -207,6 +208,7 @@ typedef struct speed {
     int target, load, load_alone, impulse;
     double offset[2]; /* distance from the bounded optimum in the end, relative to the goal: for the
                          goal, and for twice the goal, where voltages are at their limits */
+    double noise;     /* RMS voltage that noise causes, over the voltage limit */
 } speed;
 
 /* Steps of the target and of the load that stays on it, and an impulse. */
@@ -226,7 +228,7 @@ static speed measure_speed(const modal_structure *plate, const rival_settings *s
     return speed;
 }
 
-/* Load step without target, and offsets. */
+/* Load step without target, offsets, and noise. */
 static void measure_rest(const modal_structure *plate, const rival_settings *settings, speed *speed)
 {
     rival rival;
@@ -243,6 +245,7 @@ static void measure_rest(const modal_structure *plate, const rival_settings *set
         damped_loop_optimum(loop, wanted, best);
         speed->offset[size - 1] = damped_loop_distance(loop, best);
     }
+    speed->noise = loop_noise(loop);
     rival_close(&rival);
     free(best);
 }
@@ -433,8 +436,8 @@ static void print_row(const modal_structure *plate, const struct law_row *law)
         printf(" | %.3g", (double)loop_undamped_ticks(plate, interval) / speed.impulse);
     else
         printf(" | never");
-    printf(" | %.1g | %.1g | %.3f | %.0f | ", speed.offset[0], speed.offset[1],
-           sine(plate, &of[1].settings), work(plate, &of[0].settings));
+    printf(" | %.1g | %.1g | %.3f | %.1g | %.0f | ", speed.offset[0], speed.offset[1],
+           sine(plate, &of[1].settings), speed.noise, work(plate, &of[0].settings));
     print_settings(law, of);
     printf(" |\n");
     fflush(stdout);
@@ -443,14 +446,13 @@ static void print_row(const modal_structure *plate, const struct law_row *law)
 int main(int count, char **argument)
 {
     modal_structure plate;
-    structure_of_plate(&plate, MODES);
-    for (int k = 0; k < LAWS; k++) {
-        bool is_asked = count < 2;
-        for (int i = 1; i < count; i++)
-            is_asked |= strtol(argument[i], NULL, 10) == k + 1;
-        if (is_asked)
-            print_row(&plate, &laws[k]);
+    const long number = count > 1 ? strtol(argument[1], NULL, 10) : 0;
+    if (number < 1 || number > LAWS) {
+        printf("%d\n", LAWS);
+        return count > 1;
     }
+    structure_of_plate(&plate, MODES);
+    print_row(&plate, &laws[number - 1]);
     structure_close(&plate);
     return 0;
 }

@@ -171,3 +171,20 @@ double loop_tracking_error(damped_loop *loop, double periods)
     free(wanted);
     return sqrt(sum / goal);
 }
+
+double loop_noise(damped_loop *loop)
+{
+    const modal_structure *structure = loop->structure;
+    const plant_error noisy = {.gain = 1, .frequency = 1, .ratio = 1, .noise = 1e-3};
+    double *nothing = calloc(structure->outputs, sizeof *nothing), sum = 0;
+    const int from = 600, ticks = 3000;
+    assert_non_null(nothing);
+    damped_loop_reset(loop, noisy);
+    for (int k = 0; k < ticks; k++) {
+        (void)damped_loop_tick(loop, nothing);
+        for (size_t j = 0; j < structure->inputs && k >= from; j++)
+            sum += pow((double)loop->loop.info.voltage[j] / structure->limit, 2);
+    }
+    free(nothing);
+    return sqrt(sum / (ticks - from) / (double)structure->inputs);
+}

@@ -84,4 +84,10 @@ int loop_undamped_ticks(const modal_structure *structure, double interval);
  */
 double loop_tracking_error(damped_loop *loop, double periods);
 
+/*
+ * RMS voltage, over the voltage limit, that noise of the sensors causes, of about 0.001 times the
+ * largest entry of the goal, with no target.
+ */
+double loop_noise(damped_loop *loop);
+
 #endif

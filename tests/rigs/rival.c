@@ -9,7 +9,9 @@
 #include <string.h>
 #include <cmocka.h>
 #include "../../lib/control/control.h"
-#include "rival_parts.h"
+#include "rival_lqg.h"
+#include "rival_ppf.h"
+#include "rival_wish.h"
 
 damper_settings rival_observer(double kick, double drift)
 {
@@ -20,27 +22,6 @@ damper_settings rival_observer(double kick, double drift)
     settings.kick = kick;
     settings.drift = drift;
     return settings;
-}
-
-/* ---- parts ------------------------------------------------------------- */
-
-const pzs_damper_info *rival_estimates(const rival *rival)
-{
-    const pzs_damper *damper = pzs_loop_find(&rival->loop.loop, &pzs_vibration_block);
-    assert_non_null(damper);
-    return &damper->info;
-}
-
-void rival_solve(rival *rival)
-{
-    assert_true(unconstrained_solve(&rival->law.solver, rival->law.required, rival->law.next));
-}
-
-const double *rival_solve_bounded(rival *rival)
-{
-    assert_false(PZS_IS_ERROR(pzs_step(&rival->bounded, rival->law.required)));
-    rival->work += (double)rival->bounded.info.work;
-    return rival->bounded.info.voltage;
 }
 
 /* ---- blocks ------------------------------------------------------------ */
@@ -174,19 +155,10 @@ static void take_memory(rival *rival)
         rival->wide[j] = HUGE_VAL;
 }
 
-/* Mean diagonal entry of the normal matrix of the influence matrix. */
-static double mean_diagonal(const modal_structure *structure)
-{
-    double sum = 0;
-    for (size_t i = 0; i < structure->outputs * structure->inputs; i++)
-        sum += structure->influence[i] * structure->influence[i];
-    return sum / (double)structure->inputs;
-}
-
 static void open_law(rival *rival)
 {
     const rival_settings *settings = &rival->settings;
-    const double scale = mean_diagonal(rival->loop.structure);
+    const double scale = rival_scale(rival);
     assert_true(law_open(&rival->law, &rival->loop.problem, settings->regularisation * scale));
     rival->law.gain = settings->gain;
     rival->law.leak = settings->leak;

@@ -7,6 +7,7 @@
  * with the mode shapes C, the positions q, and the static shape Y of the modes left out. Because
  * the feedback gives changes of the voltages that were given last, clipping does not wind it up.
  */
+#include "rival_lqg.h"
 #include <math.h>
 #include <setjmp.h>
 #include <stdarg.h>
@@ -16,7 +17,6 @@
 #include <cmocka.h>
 #include "../../host_tools/model/dense.h"
 #include "../../host_tools/model/riccati.h"
-#include "rival_parts.h"
 
 /*
  * Transition matrix a [states][states] of the state, and input matrix b [states][inputs]: a voltage
@@ -105,13 +105,11 @@ void lqg_open(rival *rival)
 {
     const damped_loop *loop = &rival->loop;
     const size_t inputs = loop->problem.inputs, states = 2 * loop->modes + inputs;
-    double *a = calloc(states * (states + inputs), sizeof *a), *b = a + states * states, trace = 0;
+    double *a = calloc(states * (states + inputs), sizeof *a), *b = a + states * states;
     riccati riccati;
     assert_non_null(a);
     assert_int_equal(riccati_open(&riccati, states), 0);
-    for (size_t i = 0; i < loop->structure->outputs * inputs; i++)
-        trace += loop->structure->influence[i] * loop->structure->influence[i];
-    const double weight = rival->settings.weight * trace / (double)inputs;
+    const double weight = rival->settings.weight * rival_scale(rival);
     fill_dynamics(loop, a, b);
     fill_cost(loop, riccati.h);
     memcpy(riccati.a, a, states * states * sizeof *a);

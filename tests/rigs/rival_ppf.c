@@ -7,6 +7,7 @@
  * pseudo-inverse of the modes' responses to the voltages. Beside it the bounded static optimum for
  * the target minus a disturbance that an integrator estimates.
  */
+#include "rival_ppf.h"
 #include <math.h>
 #include <setjmp.h>
 #include <stdarg.h>
@@ -16,7 +17,6 @@
 #include <cmocka.h>
 #include "../../host_tools/model/dense.h"
 #include "../../host_tools/model/propagator.h"
-#include "rival_parts.h"
 
 /* feedback [inputs][modes] = settings.feedback * pseudo-inverse of the modes' static responses. */
 static void fill_feedback(rival *rival)

@@ -4,9 +4,9 @@
  * and velocity over angular frequency. The best damping factor of a mode, up to 1, is the one with
  * which the mode dies fastest if its static equilibrium follows the target at once.
  */
+#include "rival_wish.h"
 #include <math.h>
 #include <string.h>
-#include "rival_parts.h"
 
 enum { FACTORS = 200 }; /* number of damping factors up to 1 that are tried */
 
@@ -52,7 +52,7 @@ void wish_open(rival *rival)
     }
 }
 
-void wish_change(rival *rival, const pzs_real *wanted, pzs_real *changed)
+void wish_change(const rival *rival, const pzs_real *wanted, pzs_real *changed)
 {
     const modal_structure *structure = rival->loop.structure;
     const pzs_real *velocity = rival_estimates(rival)->velocity;

@@ -57,24 +57,6 @@ static void plate_settles_after_storms(void **state)
     structure_close(&s);
 }
 
-/* RMS voltage that the noise of the sensors causes, over the voltage limit, with no target. */
-static double noise_in_voltages(damped_loop *d)
-{
-    const modal_structure *s = d->structure;
-    const plant_error noisy = {.gain = 1, .frequency = 1, .ratio = 1, .noise = 1e-3};
-    double *nothing = calloc(s->outputs, sizeof *nothing), sum = 0;
-    const int from = 600, ticks = 3000;
-    assert_non_null(nothing);
-    damped_loop_reset(d, noisy);
-    for (int k = 0; k < ticks; k++) {
-        (void)damped_loop_tick(d, nothing);
-        for (size_t j = 0; j < s->inputs && k >= from; j++)
-            sum += pow((double)d->loop.info.voltage[j] / s->limit, 2);
-    }
-    free(nothing);
-    return sqrt(sum / (ticks - from) / (double)s->inputs);
-}
-
 /* Speed of the loop on the plate: ticks, and RMS voltage by noise. */
 typedef struct speed {
     int target_step, target_and_load, load_step, impulse;
@@ -97,7 +79,7 @@ static speed measure_speed(const modal_structure *s, const damper_settings *sett
     speed.end = damped_loop_distance(&d, best);
     speed.load_step = loop_load_step(&d, 660);
     speed.impulse = loop_impulse(&d, 660);
-    speed.noise = noise_in_voltages(&d);
+    speed.noise = loop_noise(&d);
     damped_loop_close(&d);
     free(best);
     return speed;
