@@ -32,6 +32,7 @@ help:
 	@echo 'CC, CFLAGS, LDFLAGS and B (build folder) are honoured: make CC=clang CFLAGS=-g B=/tmp/piezoshape'
 	@echo 'make bench       speed against OpenBLAS, DAQP, Kratos and CalculiX, and speed against error'
 	@echo 'make bench-peers the last of these on all meshes and several times;  bench-linalg, bench-step, bench-path ...: one alone'
+	@echo 'make bench-laws  control laws on a plate that vibrates, each with its best settings: a quarter of an hour'
 	@echo 'make qemu        firmware under QEMU, bit for bit against the host'
 	@echo 'make size        flash, RAM and stack against the committed budget'
 	@echo 'make tables      generate the tables of the firmware demonstrations;  make oracle: the test data'

@@ -92,7 +92,7 @@ static const struct law_row {
     rival_kind kind;
     preset preset;   /* TUNED: by a search in the grid of `axes`; else: settings of the damper */
     double cut;      /* of RIVAL_WISH */
-    double governor; /* of RIVAL_DAMPER */
+    double governor;
     axis axes[MOST_AXES];
 } laws[] = {
     {"control step without damper", RIVAL_STEP, TUNED, 0, 0,
@@ -110,6 +110,10 @@ static const struct law_row {
       {KICK, 5, {0.12, 0.25, 0.5, 1, 2}},
       {DRIFT, 6, {0.05, 0.1, 0.21, 0.38, 0.7, 1.4}}}},
     {"LQG about the optimum within the limits, and clip", RIVAL_LQG_BOUNDED, TUNED, 0, 0,
+     {{WEIGHT, 8, {1, 10, 30, 100, 300, 1000, 3000, 10000}},
+      {KICK, 5, {0.12, 0.25, 0.5, 1, 2}},
+      {DRIFT, 6, {0.05, 0.1, 0.21, 0.38, 0.7, 1.4}}}},
+    {"the same with governor", RIVAL_LQG_BOUNDED, TUNED, 0, 0.5,
      {{WEIGHT, 8, {1, 10, 30, 100, 300, 1000, 3000, 10000}},
       {KICK, 5, {0.12, 0.25, 0.5, 1, 2}},
       {DRIFT, 6, {0.05, 0.1, 0.21, 0.38, 0.7, 1.4}}}},
@@ -183,7 +187,8 @@ static rival_settings settings_at(const struct law_row *law, const grid_point *p
                                .share = 1,
                                .damper = is_damper ? damper_default_settings()
                                                    : rival_observer(0.25, 0.21),
-                               .cut = law->cut};
+                               .cut = law->cut,
+                               .governor = law->governor};
     for (int i = 0; i < axes_of(law); i++)
         set_axis(&settings, law->axes[i].name, law->axes[i].value[point->at[i]]);
     return settings;

@@ -19,7 +19,7 @@ STEP, LEAKY, CLIPPED, LQG, LQG_BOUNDED, PPF, WISH, DAMPER = range(8)
 NAMES = ['control step', 'leaky integrator', 'pseudo-inverse', 'LQG', 'LQG about the bounded optimum', 'positive position feedback',
          'damped wish', 'vibration damper']
 NUMBERS = ('kind modes outputs inputs observed ticks delay interval step limit effort share regularisation gain leak weight ppf_modes feedback '
-           'filter_ratio filter_frequency damping cut strength damper_cut mix follow kick drift slow').split()
+           'filter_ratio filter_frequency damping cut strength damper_cut mix follow kick drift slow governor').split()
 RIDGE = 1e-7
 DAMPED_TOLERANCE = 4e-3  # of the KKT violation, over the gradient at the last voltages, where a tick goes a part of the way or damps
 
@@ -152,7 +152,7 @@ def voltages(r):
     n, nu, G = model.n, model.nu, model.G
     observer = Observer(model, r) if kind in (LQG, LQG_BOUNDED, WISH, DAMPER) else None
     given = [np.zeros(nu)] * (model.delay + 1)  # voltages before the first tick, then those of every tick
-    K = None
+    K, reference = None, np.zeros(nu)
     if kind in (LQG, LQG_BOUNDED):
         K, radius = regulator(model, r)
         facts = ', spectral radius %.6f without limits' % radius
@@ -200,8 +200,13 @@ def voltages(r):
         elif kind in (LQG, LQG_BOUNDED):
             if kind == LQG_BOUNDED:
                 target = model.bounded(target, np.full(nu, -model.limit), np.full(nu, model.limit))
+            move = np.zeros(nu)
+            if r['governor'] > 0:
+                way = model.bounded(np.linalg.solve(model.H, G.T @ z), np.full(nu, -model.limit), np.full(nu, model.limit)) - reference
+                move = min(1, r['governor'] * model.step / max(np.abs(way).max(), 1e-300)) * way
+                target, reference = target - way, reference + move
             state = np.concatenate([q - w - model.g @ target, p, v - target])
-            new = model.clip(v - K @ state, v)
+            new = model.clip(v + move - K @ state, v)
         elif kind == WISH:
             wish = np.linalg.solve(model.H, G.T @ (z - static + G @ v - model.C @ (delta * p)))
             new = model.bounded(wish, *model.box(v))

@@ -40,8 +40,10 @@ static size_t block_bytes(const void *tables, const pzs_problem *problem)
 static pzs_status block_init(void *self, const void *tables, pzs_loop_signals *signals)
 {
     const pzs_status status = pzs_step_block.block_init(self, tables, signals);
-    if (status == PZS_OK)
+    if (status == PZS_OK) {
+        lqg_reset(rival_of(signals));
         ppf_reset(rival_of(signals));
+    }
     return status;
 }
 
@@ -141,11 +143,13 @@ static void take_memory(rival *rival)
                  modes = rival->loop.modes, delays = (size_t)rival->loop.vibration.delay + 1,
                  states = 2 * modes + inputs;
     double *at = rival->memory =
-        calloc(3 * inputs + inputs * states + 4 * modes + states + delays * outputs,
+        calloc(5 * inputs + inputs * states + 4 * modes + states + delays * outputs,
                sizeof *rival->memory);
     assert_non_null(at);
     rival->wide = at, at += inputs;
     rival->gradient = at, at += inputs;
+    rival->reference = at, at += inputs;
+    rival->aim = at, at += inputs;
     rival->fixed = at, at += inputs;
     rival->feedback = at, at += inputs * states;
     rival->turn = at, at += 4 * modes;
@@ -184,7 +188,8 @@ void rival_open(rival *rival, const modal_structure *structure, double interval,
                      has_observer ? &settings->damper : &none);
     take_memory(rival);
     open_law(rival);
-    rival->loop.governor.part = (pzs_real)settings->governor;
+    if (settings->kind == RIVAL_DAMPER)
+        rival->loop.governor.part = (pzs_real)settings->governor;
     const pzs_block block = {way[settings->kind].law, &rival->law};
     damped_loop_replace(&rival->loop, &block, has_observer, way[settings->kind].is_corrected);
 }

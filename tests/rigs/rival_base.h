@@ -40,7 +40,7 @@ typedef struct rival_settings {
     double cut;      /* phase angle in a tick (rad) up to which modes are damped in full, to twice
                         this angle less and less; 0: no such limit; WISH */
     double governor; /* part of the step limit that the governor uses for moving targets; 0: no
-                        governor; DAMPER */
+                        governor; DAMPER, LQG_BOUNDED */
 } rival_settings;
 
 typedef struct rival {
@@ -59,9 +59,12 @@ typedef struct rival {
                          modes and of the voltages; PPF: [inputs][settings.modes] voltages per modal
                          coordinate of the filters; WISH: [modes] damping factors */
     double *turn;     /* PPF: [settings.modes][4] propagators of the filters */
-    double *state;   /* PPF: [2][settings.modes] position and velocity of the filters; LQG: [2 modes
-                        + inputs] deviations from the static optimum */
-    double *fixed;   /* PPF: [inputs] voltages without those of the filters */
+    double *state; /* PPF: [2][settings.modes] position and velocity of the filters; LQG: [2 modes
+                      + inputs] deviations from the static optimum */
+    double *reference; /* LQG with governor: [inputs] voltages that approach the optimum of the
+                          target alone */
+    double *aim;       /* LQG with governor: [inputs] this optimum */
+    double *fixed;   /* [inputs] LQG: static optimum; PPF: voltages without those of the filters */
     double *history; /* PPF: [delay + 1][outputs] static shapes of these voltages in the last ticks
                       */
     int tick;

@@ -6,6 +6,7 @@
  *   sum over ticks of |shape|^2 + regularisation |v|^2 + weight |u|^2,  shape = C q + Y v,
  * with the mode shapes C, the positions q, and the static shape Y of the modes left out. Because
  * the feedback gives changes of the voltages that were given last, clipping does not wind it up.
+ * With a governor the static optimum moves with reference voltages, whose moves are added.
  */
 #include "rival_lqg.h"
 #include <math.h>
@@ -142,10 +143,47 @@ static void fill_state(rival *rival, const double *optimum, const double *voltag
         rival->state[2 * modes + j] = voltage[j] - optimum[j];
 }
 
-void lqg_choose(rival *rival, const pzs_loop_signals *signals)
+void lqg_reset(rival *rival)
 {
-    const size_t inputs = rival->loop.problem.inputs, states = 2 * rival->loop.modes + inputs;
-    const pzs_control_info *info = &signals->control->info;
+    memset(rival->reference, 0, rival->loop.problem.inputs * sizeof *rival->reference);
+}
+
+/*
+ * Governor: factor by which the reference voltages approach the optimum of the target alone, so
+ * that none moves by more than the part `governor` of its step limit.
+ */
+static double reference_step(rival *rival, const pzs_real *wanted)
+{
+    const size_t inputs = rival->loop.problem.inputs;
+    double factor = 1;
+    memcpy(rival->law.required, wanted, rival->law.problem.outputs * sizeof *wanted);
+    memcpy(rival->aim, rival_solve_bounded(rival), inputs * sizeof *rival->aim);
+    for (size_t j = 0; j < inputs; j++) {
+        const double way = fabs(rival->aim[j] - rival->reference[j]),
+                     most = rival->settings.governor * rival->loop.problem.step_limit[j];
+        factor = way > most ? fmin(factor, most / way) : factor;
+    }
+    return factor;
+}
+
+/*
+ * Change the static optimum, which is in `fixed`, to that of the reference, and let the reference
+ * move; law.next: the move, which the voltages follow beside the feedback.
+ */
+static void govern(rival *rival, const pzs_real *wanted)
+{
+    const double factor = reference_step(rival, wanted);
+    for (size_t j = 0; j < rival->loop.problem.inputs; j++) {
+        const double way = rival->aim[j] - rival->reference[j];
+        rival->fixed[j] -= way;
+        rival->law.next[j] = factor * way;
+        rival->reference[j] += factor * way;
+    }
+}
+
+/* Set `fixed` to the static optimum for the target and the estimated disturbance. */
+static void find_optimum(rival *rival, const pzs_loop_signals *signals)
+{
     const double *optimum = rival->law.next;
     for (size_t i = 0; i < rival->law.problem.outputs; i++)
         rival->law.required[i] =
@@ -154,11 +192,21 @@ void lqg_choose(rival *rival, const pzs_loop_signals *signals)
         rival_solve(rival);
     else
         optimum = rival_solve_bounded(rival);
-    fill_state(rival, optimum, info->voltage);
+    memcpy(rival->fixed, optimum, rival->loop.problem.inputs * sizeof *rival->fixed);
+}
+
+void lqg_choose(rival *rival, const pzs_loop_signals *signals)
+{
+    const size_t inputs = rival->loop.problem.inputs, states = 2 * rival->loop.modes + inputs;
+    const double *last = signals->control->info.voltage;
+    find_optimum(rival, signals);
+    memset(rival->law.next, 0, inputs * sizeof *rival->law.next);
+    if (rival->settings.governor > 0)
+        govern(rival, signals->wanted);
+    fill_state(rival, rival->fixed, last);
     for (size_t j = 0; j < inputs; j++) {
-        double change = 0;
+        rival->law.next[j] += last[j];
         for (size_t k = 0; k < states; k++)
-            change -= rival->feedback[j * states + k] * rival->state[k];
-        rival->law.next[j] = info->voltage[j] + change;
+            rival->law.next[j] -= rival->feedback[j * states + k] * rival->state[k];
     }
 }

@@ -11,6 +11,9 @@
 /* Compute the feedback of the regulator. */
 void lqg_open(rival *rival);
 
+/* Return the governor to 0 V. */
+void lqg_reset(rival *rival);
+
 /* Compute law.next, the voltages of a tick before they are clipped. */
 void lqg_choose(rival *rival, const pzs_loop_signals *signals);
 

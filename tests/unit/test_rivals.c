@@ -37,7 +37,7 @@ static void small_plate(modal_structure *structure, size_t modes)
 
 static const rival_settings *all_settings(size_t *count)
 {
-    static rival_settings of[10];
+    static rival_settings of[11];
     const damper_settings observer = rival_observer(0.25, 0.1);
     size_t k = 0;
     of[k++] = (rival_settings){.kind = RIVAL_STEP, .share = 1};
@@ -46,6 +46,8 @@ static const rival_settings *all_settings(size_t *count)
     of[k++] = (rival_settings){.kind = RIVAL_CLIPPED, .share = 0.3, .regularisation = 0.01};
     of[k++] = (rival_settings){.kind = RIVAL_LQG, .damper = observer, .weight = 1};
     of[k++] = (rival_settings){.kind = RIVAL_LQG_BOUNDED, .damper = observer, .weight = 100};
+    of[k++] = (rival_settings){
+        .kind = RIVAL_LQG_BOUNDED, .damper = observer, .weight = 10, .governor = 0.5};
     of[k++] = (rival_settings){.kind = RIVAL_PPF,
                                .share = 0.2,
                                .gain = 0.05,
@@ -94,7 +96,8 @@ static void write_rival(const rival *rival)
                               loop->gains.share,
                               set->damper.kick,
                               set->damper.drift,
-                              set->damper.slow};
+                              set->damper.slow,
+                              set->governor};
     write_reals(numbers, sizeof numbers / sizeof *numbers);
     write_reals(s->omega, s->modes);
     write_reals(s->ratio, s->modes);
