@@ -45,8 +45,9 @@ typedef struct matrix_modes {
 } matrix_modes;
 
 /*
- * Smallest swap_gain at which two outputs count as swapped. Of 2,600 plates with noise, unknown
- * modes and outputs in the right order none with more than one amplifier reached it.
+ * Smallest swap_gain at which two outputs count as swapped. It was chosen on simulated plates with
+ * noise, unknown modes and outputs in the right order: 6 of 3,000 reached it. With one amplifier no
+ * swap is looked for.
  */
 #define MATRIX_SWAP_BAR 5.0
 
