@@ -63,7 +63,7 @@ double loop_work_rest(const block_counts *of, const loop_processor *on)
 {
     const double blocks = 150 * (double)of->blocks;
     const double rows = 60 * (double)of->rows + 120 * (double)of->row_entries;
-    return loops(of, on, 3, 195, 3100) + on->other * (blocks + rows);
+    return loops(of, on, 5, 165, 3680) + on->other * (blocks + rows);
 }
 
 /*
@@ -171,10 +171,11 @@ double loop_work_vibration(const block_counts *of, const loop_processor *on)
             ? (LOOP_WORK_MISSED + 2 + (double)of->damper_delay) * 6 * (double)(sensors + modes)
             : 0;
     const double weighed = of->free_functions > 0 ? on->other * 8 * (double)sensors : 0;
+    const double filtered = modes == 0 ? 4 * (double)sensors : 0; /* low-pass filter of readings */
     return weighed + 4 * product(on, sensors, modes) + 2 * product(on, modes, of->inputs) +
            4 * product(on, modes, modes) + few + second_prediction(of, on) +
            on->other * (77 * (double)sensors + 60 * (double)modes +
-                        predicted * (22 * (double)modes + 80) + protected_rows + 800);
+                        predicted * (22 * (double)modes + 80) + protected_rows + filtered + 970);
 }
 
 double loop_work_effect(const block_counts *of, const loop_processor *on)
@@ -299,5 +300,5 @@ static double free_functions_work(const block_counts *of, const loop_processor *
 double loop_work_supervisor(const block_counts *of, const loop_processor *on)
 {
     const double both = second_prediction(of, on) + free_functions_work(of, on);
-    return of->is_damped ? loops(of, on, 14, 45, 930) + both : loops(of, on, 45, 60, 1200) + both;
+    return of->is_damped ? loops(of, on, 16, 45, 930) + both : loops(of, on, 45, 60, 1200) + both;
 }

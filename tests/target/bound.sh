@@ -104,7 +104,14 @@ if tap_needs "$ARM_CC" 'bounds' && tap_needs "$QEMU" 'bounds'; then
             --set 'hysteresis={range: [-300, 300], slopes: [0.36, 0.36, 0.36, 0.36], slack: [37.5, 75, 112.5, 150], above: [0.16, 0.16, 0.16, 0.16]}' \
             --set 'simulate={ticks: 100, events: [{at: 10, dead: [v_1_1], announced: detected}]}'
         loop 'few sensors, known load, converter steps' plate-few-sensors
+        loop 'three sensors' tests/rigs/scenes/three-sensors.yaml
+        loop 'nine amplifiers, free functions' tests/rigs/scenes/free-dish.yaml
+        loop 'eight amplifiers, two modes' tests/rigs/scenes/twisted-blade.yaml
+        loop 'three amplifiers, fault detector with pulses' tests/rigs/scenes/slow-beam.yaml --set mesh.theta1.elements=12 \
+            --set 'patches=[{name: pu, layer: up, grid: [3, 1]}, {name: pl, layer: low, grid: [3, 1]}]' \
+            --set 'simulate={ticks: 100, events: [{at: 10, dead: [v_1_1], announced: detected}]}'
         ticks=2001
+        loop 'many amplifiers, no mode observed' mirror --set 'control={rate: 2000}'
         loop 'late readings without a damper, fault detector' mirror --set 'loads=[{face: outer, pressure: 1}]' --set 'control={rate: 20, clock: 168 MHz}' \
             --set 'simulate={ticks: 100, sensors: {delay: 2}, amplifiers: {step: 0.05}, events: [{at: 10, load: 0, factor: 1, feed_forward: true}, {at: 10, dead: [v_1_1], announced: detected}]}'
         loop 'limits between amplifiers' mirror --set 'control={rate: 10, clock: 168 MHz}' \
