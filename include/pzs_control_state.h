@@ -753,8 +753,17 @@ typedef struct pzs_damper_state {
      * gradient of its objective, so that the voltages take energy out of the vibration (m2/V)
      */
     pzs_real *damping;
-    pzs_real *carry;  /* [inputs] parts of earlier voltage changes that the amplifiers have not yet
-                         made (V) */
+    pzs_real *carry; /* [inputs] parts of earlier voltage changes that the amplifiers have not yet
+                        made (V) */
+    /*
+     * [2][FOURS(modes) + FOURS(sensors)] where the amplifiers lag: static position of each
+     * vibration mode (m), then static reading of each sensor, under the present output voltages of
+     * the amplifiers; twice, against damaged memory. NULL: the amplifiers do not lag
+     */
+    pzs_real *output;
+    pzs_real *behind; /* [width >= modes] where the amplifiers lag: static position of each
+                         vibration mode under their output voltages at the last tick, minus that
+                         under the voltages commanded then (m) */
     uint8_t *repeats; /* [sensors] number of ticks in which a reading stayed constant although it
                          should have moved, plus 128 while it is missing */
     uint16_t newest; /* index of the row for the present voltages in two ring buffers with a row for
@@ -763,7 +772,8 @@ typedef struct pzs_damper_state {
     uint8_t stage;
     uint32_t row_sum[PZS_DELAY_LIMIT + 1]; /* exclusive or of the words in each row of the ring
                                               buffers, in a loop whose readings are late */
-    uint32_t late_sum; /* exclusive or of the words of the first copy in `late` */
+    uint32_t late_sum;   /* exclusive or of the words of the first copy in `late` */
+    uint32_t output_sum; /* exclusive or of the words of the first copy in `output` */
 } pzs_damper_state;
 
 typedef struct pzs_compensator_state {

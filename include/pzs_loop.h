@@ -949,6 +949,14 @@ typedef struct pzs_vibration {
     pzs_real mix;
     pzs_real slow; /* gain (0 to 1) of the low-pass filter of the residual readings, the part of the
                       readings that the vibration modes do not explain */
+    /*
+     * [2 + 2 modes] first-order lag of the amplifiers (dimensionless). [0]: part of its distance
+     * from the commanded voltage that the output of an amplifier keeps over a tick; [1]: mean of
+     * this part in the tick. Then for each mode the weight of its velocity, and for each mode that
+     * of the distance [0], in the deviation that the voltages damp: the voltages change earlier by
+     * the phase of the lag. NULL: the amplifiers follow within a tick
+     */
+    const pzs_real *lag;
 } pzs_vibration;
 
 /*
@@ -999,6 +1007,9 @@ typedef struct pzs_damper {
     (sizeof(pzs_real) * (((size_t)(delay) + 15u) * PZS_FOURS(modes) +                              \
                          ((size_t)(delay) + 5u) * PZS_FOURS(sensors) + 2u * PZS_FOURS(inputs)) +   \
      (size_t)(sensors))
+/* Size that the lag of amplifiers (pzs_vibration.lag) adds to this workspace (bytes). */
+#define PZS_LAG_BYTES(modes, sensors)                                                              \
+    (sizeof(pzs_real) * (3u * PZS_FOURS(modes) + 2u * PZS_FOURS(sensors)))
 
 /*
  * Initialise a vibration damper in the workspace, for a structure in static equilibrium under the
@@ -1039,6 +1050,10 @@ extern const pzs_block_type pzs_vibration_block;
     PZS_ALIGNED(PZS_ALIGNED(sizeof(pzs_damper)) +                                                  \
                 PZS_ALIGNED(PZS_DAMPER_BYTES(modes, inputs, sensors, delay)) +                     \
                 (size_t)(outputs) * sizeof(pzs_real))
+/* Size of the same block where the tables have a lag of the amplifiers (bytes). */
+#define PZS_VIBRATION_BLOCK_LAG_BYTES(modes, inputs, outputs, sensors, delay)                      \
+    PZS_ALIGNED(PZS_VIBRATION_BLOCK_BYTES(modes, inputs, outputs, sensors, delay) +                \
+                PZS_LAG_BYTES(modes, sensors) + 8u)
 
 /* ---- governor: slows targets down in a loop that damps vibration (lib/control/governor.c) */
 

@@ -15,6 +15,6 @@
  * this library, and every init function refuses tables of another format. The number increases when
  * the layout of a table struct changes.
  */
-#define PZS_TABLE_FORMAT 5u
+#define PZS_TABLE_FORMAT 6u
 
 #endif

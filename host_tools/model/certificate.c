@@ -413,8 +413,11 @@ static void storm_text(const certificate_loop *loop, char text[CERTIFICATE_TEXT]
         "one stands;\nin a third of them 5 %% of the ticks are missed%s",
         loop->less_hysteresis > 0 ? ", in another the ceramic has half the hysteresis" : "");
     if (loop->bandwidth > 0)
-        text_append(text, CERTIFICATE_TEXT, "; the amplifiers lag, with a corner of %g Hz",
-                    loop->bandwidth);
+        text_append(text, CERTIFICATE_TEXT,
+                    "; the amplifiers lag, with a corner of %g Hz,\n%g %% lower in a third of the "
+                    "storms and higher in another%s",
+                    loop->bandwidth, 100 * loop->less_bandwidth,
+                    loop->models_lag ? "; the tick knows of the lag" : "");
     text_append(text, CERTIFICATE_TEXT, "):");
     if (loop->storms == 0) {
         text_append(text, CERTIFICATE_TEXT, " none was run.");

@@ -155,6 +155,9 @@ typedef struct certificate_loop {
     int delay;              /* age of the readings that the scene file states (ticks) */
     double bandwidth;       /* corner frequency of the first-order lag of the amplifiers that the
                                scene file states (Hz); 0: no lag */
+    double less_bandwidth;  /* part by which this corner frequency is lower in a third of the storms
+                               (simulations with fast target jumps), and higher in another third */
+    bool models_lag;        /* whether the control tick knows of the lag of the amplifiers */
     int older; /* largest number of ticks by which the sensor readings may be older than the scene
                   file states; at this and every smaller number, vibrations decay and the shape
                   settles after fast jumps of the target */

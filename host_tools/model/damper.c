@@ -34,6 +34,8 @@ static const double visible = 1e-3;
  */
 static const double slow_limit = 0.02, slow_part = 0.5;
 
+static const double two_pi = 6.283185307179586;
+
 /* Intermediate results while the tables of a control tick that damps vibration are made. */
 typedef struct builder {
     damper *damper;
@@ -187,7 +189,8 @@ static int take_memory(builder *builder)
                          {&gains->observer, 3 * modes * modes},
                          {&gains->explain, modes * modes},
                          {&gains->damping, modes * inputs},
-                         {&gains->inverse_angle, modes}};
+                         {&gains->inverse_angle, modes},
+                         {&gains->lag, 2 + 2 * modes}};
     const size_t arrays = sizeof all / sizeof *all;
     size_t total = 0;
     for (size_t i = 0; i < arrays; i++)
@@ -370,12 +373,24 @@ static void fill_tables(builder *builder)
         .share = gains->share,
         .mix = gains->mix,
         .slow = gains->slow,
+        .lag = builder->model.lag > 0 ? gains->lag : NULL,
     };
     if (estimator)
         builder->damper->tables.reading = builder->reading;
     if (is_weighted)
         builder->damper->tables.precision = builder->precision;
     (void)pzs_vibration_seal(&builder->damper->tables);
+}
+
+/*
+ * Tick interval over the time constant of the amplifiers' first-order lag; 0 where the control tick
+ * needs not know of the lag: there is none, it is shorter than a tick, or no mode is observed.
+ */
+static double lag_of(const builder *builder)
+{
+    const double bandwidth = builder->analysis->design.simulate.imperfections.bandwidth;
+    const double times = two_pi * bandwidth * builder->interval;
+    return builder->model.modes > 0 && times < 1 ? times : 0;
 }
 
 static int build(builder *builder, char *error)
@@ -398,6 +413,7 @@ static int build(builder *builder, char *error)
     model->overlap = builder->overlap;
     model->lift = builder->lift;
     model->square = builder->square;
+    model->lag = lag_of(builder);
     if (damper_compute(&builder->gains, model, &builder->settings) < 0)
         return scene_fault(design->simulate.at, error,
                            "the observer of %zu modes cannot be computed; add sensors or lower "

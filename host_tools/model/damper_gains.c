@@ -24,6 +24,15 @@ static const double position_noise = 1e-12;
  */
 static const double ridge = 1e-7;
 
+/*
+ * Amplifiers that lag respond to a vibration mode with less amplitude, by a factor r, and with a
+ * later phase. The damping gradient makes up for the phase, and for the part r^(lead_loss - 1) of
+ * the amplitude: with 1 the mode is damped more weakly by the factor r, with 0 the noise of the
+ * sensors moves the voltages by 1/r more and the step limits bind more often. With 0.5 all storms
+ * of tests/unit/test_lag.c settle, and loads are compensated fastest.
+ */
+static const double lead_loss = 0.5;
+
 damper_settings damper_default_settings(void)
 {
     return (damper_settings){.damping = 0.75,
@@ -161,6 +170,30 @@ static void fill_damping(double *damping, const damper_model *model,
     }
 }
 
+/*
+ * Compute the lag of the amplifiers in a tick, and the weights that advance the phase of each
+ * vibration mode's damping by that of the lag; multiply the damping gradient by the gain of this
+ * advance (lib/control/vibration.c).
+ */
+static void fill_lag(damper_gains *gains, const damper_model *model, double mix)
+{
+    const size_t modes = model->modes;
+    const double kept = exp(-model->lag), moved = -expm1(-model->lag), mean = moved / model->lag;
+    double *by_velocity = gains->lag + 2, *by_lag = by_velocity + modes;
+    gains->lag[0] = kept;
+    gains->lag[1] = mean;
+    for (size_t i = 0; i < modes; i++) {
+        const double angle = model->angle[i];
+        const double in_phase = (1 - kept * cos(angle)) / moved, ahead = kept * sin(angle) / moved;
+        const double part = pow(hypot(in_phase, ahead), -lead_loss);
+        by_velocity[i] = ahead / in_phase;
+        by_lag[i] = kept * (1 - mean + (mean - kept) * cos(angle)) / moved / in_phase +
+                    (1 - mix) * (mean - kept);
+        for (size_t j = 0; j < model->inputs; j++)
+            gains->damping[i * model->inputs + j] *= in_phase * part;
+    }
+}
+
 int damper_compute(damper_gains *gains, const damper_model *model, const damper_settings *settings)
 {
     const size_t modes = model->modes;
@@ -176,6 +209,8 @@ int damper_compute(damper_gains *gains, const damper_model *model, const damper_
     if (modes > 0)
         gains->share = fmin(settings->follow * model->angle[0], settings->follow_limit);
     gains->mix = settings->mix;
+    if (model->lag > 0)
+        fill_lag(gains, model, settings->mix);
     gains->slow = settings->slow;
     if (modes == 0)
         return 0;

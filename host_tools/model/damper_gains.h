@@ -89,6 +89,8 @@ typedef struct damper_model {
                              weights */
     const double *square; /* [modes] squared norm of each mode shape at the outputs, weighted with
                              the target weights */
+    double lag; /* tick interval over the time constant of the amplifiers' first-order lag; 0: no
+                   lag */
 } damper_model;
 
 /*
@@ -113,6 +115,9 @@ typedef struct damper_gains {
     double *covariance;    /* [3 modes][3 modes] covariance of the error of the observer, which
                               estimates the vibration modes, or NULL */
     double share, mix, slow;
+    double *lag; /* [2 + 2 modes] lag of the amplifiers, and weights that advance the phase of the
+                    damping by that of the lag (pzs_vibration.lag); filled where model->lag is not 0
+                  */
 } damper_gains;
 
 /*

@@ -274,7 +274,8 @@ static const field amplification_fields[] = {
      .help = "Largest change of a voltage that an amplifier does not follow; default 0."},
     {"bandwidth", read_real, offsetof(scene_simulate, imperfections.bandwidth), &above_zero,
      .of = OF_RATE,
-     .help = "Corner frequency of the amplifiers, a lag of first order; default no lag."},
+     .help = "Corner frequency of the amplifiers, a lag of first order, of which a damped tick "
+             "knows where it is longer than a tick; default no lag."},
     {"reversed", read_reversed, .form = &labels_form,
      .help = "Amplifiers whose wires are reversed."},
     {"swapped", read_swapped, .form = &labels_form,

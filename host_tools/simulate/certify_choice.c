@@ -157,6 +157,8 @@ static int try_settings(trial *trial, const damper_options *options, int older,
     }
     loop->delay = trial->analysis->design.simulate.delay;
     loop->bandwidth = trial->analysis->design.simulate.imperfections.bandwidth;
+    loop->less_bandwidth = TRIAL_LESS_BANDWIDTH;
+    loop->models_lag = trial->damper.tables.lag != NULL;
     loop->older = older;
     loop->angle = first_angle(trial);
     loop->residual = residual_periods(loop->angle, trial->damper.tables.slow);

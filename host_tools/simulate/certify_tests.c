@@ -107,10 +107,14 @@ storm_plant trial_plant(int i, int older)
                          .more_delay = older,
                          .seed = (uint64_t)(sequence + 1),
                          .is_uninformed = true};
-    if (sequence == 1)
+    if (sequence == 1) {
         plant.less_hysteresis = TRIAL_LESS_HYSTERESIS;
-    if (sequence == SEEDS - 1)
+        plant.less_bandwidth = TRIAL_LESS_BANDWIDTH;
+    }
+    if (sequence == SEEDS - 1) {
         plant.missed_share = missed_share;
+        plant.less_bandwidth = -TRIAL_LESS_BANDWIDTH;
+    }
     return plant;
 }
 

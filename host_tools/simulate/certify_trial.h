@@ -28,6 +28,12 @@ enum {
 #define TRIAL_LESS_HYSTERESIS 0.5
 
 /*
+ * Part by which the amplifiers are slower than the scene file states in storms (fast target jumps)
+ * with the second random sequence of targets, and faster with the third.
+ */
+#define TRIAL_LESS_BANDWIDTH 0.3
+
+/*
  * A control loop on trial: its generated tables for one choice of settings of the vibration damper
  * and one tick rate.
  */

@@ -48,7 +48,7 @@ void storm_start_ceramic(storm *storm)
  */
 static void drive_amplifiers(storm *storm)
 {
-    const double bandwidth = storm->rig->bandwidth;
+    const double bandwidth = storm->rig->bandwidth * (1 - storm->plant->less_bandwidth);
     for (size_t k = 0; k < storm->rig->amplifiers; k++)
         storm->driven[k] = bandwidth > 0 ? amplifier_lag(&storm->output[k], storm->voltage[k],
                                                          bandwidth, storm->rig->interval)

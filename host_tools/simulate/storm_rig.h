@@ -50,7 +50,9 @@ typedef struct storm_plant {
                                      otherwise there are none */
     double less_hysteresis; /* part, from 0 to 1, by which the ceramic has less hysteresis and creep
                                than the scene file describes */
-    bool is_uninformed;     /* true: the loop is not informed of missed ticks by pzs_loop_skip */
+    double less_bandwidth; /* part by which the corner frequency of the amplifiers is lower than the
+                              scene file states; negative: higher */
+    bool is_uninformed;    /* true: the loop is not informed of missed ticks by pzs_loop_skip */
 } storm_plant;
 
 /*

@@ -97,6 +97,17 @@ static bool has_damper(const loop_blocks *blocks)
     return blocks->damper->is_used;
 }
 
+/* Whether the block that damps vibration models the lag of the amplifiers. */
+static bool has_lag(const loop_blocks *blocks)
+{
+    return has_damper(blocks) && blocks->damper->tables.lag != NULL;
+}
+
+static bool has_no_lag(const loop_blocks *blocks)
+{
+    return has_damper(blocks) && !has_lag(blocks);
+}
+
 static bool has_governor(const loop_blocks *blocks)
 {
     return blocks->damper->is_used && blocks->design->control.moving_target;
@@ -691,6 +702,11 @@ static void write_damper(emitter *emitter, const loop_blocks *blocks)
     emitter->crc32 = pzs_guard_crc(GUARD_CRC_START, counts, sizeof counts);
     write_damper_arrays(emitter, tables);
     emitter->crc32 = emit_crc_reals(emitter->crc32, settings, 3);
+    if (tables->lag)
+        emit_reals(emitter, "lag", tables->lag, 2 + 2 * (size_t)tables->modes,
+                   "lag of the amplifiers: part of the distance from its command that an output "
+                   "keeps over a tick, mean of this part, weights of velocity and distance of "
+                   "each mode");
     emit_begin(emitter, "vibration", "vibration", tables->scene, tables->crc);
     fprintf(emitter->file, " %u, %u, %u, %u, %u,\n    %s_mode_shape, ", tables->inputs,
             tables->outputs, tables->sensors, tables->modes, tables->delay, emitter->prefix);
@@ -704,6 +720,7 @@ static void write_damper(emitter *emitter, const loop_blocks *blocks)
         fprintf(emitter->file, "%s_%s, ", emitter->prefix, rest[i]);
     for (int i = 0; i < 3; i++)
         fprintf(emitter->file, "PZS_R(%.17g), ", settings[i]);
+    write_shared(emitter, tables->lag, "lag");
     fputs("\n};\n", emitter->file);
 }
 
@@ -739,6 +756,8 @@ BLOCK_BYTES(free_functions, PZS_FREE_FUNCTIONS_BLOCK_BYTES(of->outputs, of->free
 BLOCK_BYTES(estimator, PZS_ESTIMATOR_BLOCK_BYTES(of->readings, of->outputs))
 BLOCK_BYTES(vibration, PZS_VIBRATION_BLOCK_BYTES(of->modes, of->inputs, of->outputs, of->readings,
                                                  of->damper_delay))
+BLOCK_BYTES(lag_vibration, PZS_VIBRATION_BLOCK_LAG_BYTES(of->modes, of->inputs, of->outputs,
+                                                         of->readings, of->damper_delay))
 BLOCK_BYTES(effect, PZS_EFFECT_BLOCK_BYTES(of->inputs, of->plays, of->creeps))
 BLOCK_BYTES(inverse, PZS_INVERSE_BLOCK_BYTES(of->inputs))
 BLOCK_BYTES(curve, PZS_CURVE_BLOCK_BYTES(of->inputs))
@@ -796,8 +815,10 @@ static const struct {
      loop_work_free_functions},
     {&pzs_estimator_block, has_estimator, estimator_tables, NULL, "estimator", "estimator",
      estimator_bytes, estimator_macro, loop_work_estimator},
-    {&pzs_vibration_block, has_damper, damper_tables, write_damper, "vibration", "vibration",
+    {&pzs_vibration_block, has_no_lag, damper_tables, write_damper, "vibration", "vibration",
      vibration_bytes, vibration_macro, loop_work_vibration},
+    {&pzs_vibration_block, has_lag, damper_tables, write_damper, "vibration", "vibration",
+     lag_vibration_bytes, lag_vibration_macro, loop_work_lag_vibration},
     {&pzs_step_block, has_no_rows, problem_tables, NULL, "step", "problem", step_bytes, step_macro,
      loop_work_step},
     {&pzs_step_block, has_rows, problem_tables, NULL, "step", "problem", row_step_bytes,

@@ -178,6 +178,20 @@ double loop_work_vibration(const block_counts *of, const loop_processor *on)
                         predicted * (22 * (double)modes + 80) + protected_rows + filtered + 970);
 }
 
+/*
+ * Upper bound of the instructions of the block that damps vibration with amplifiers that lag. Their
+ * output changes in each missed tick as well, so that the static positions and readings are
+ * computed anew there.
+ */
+double loop_work_lag_vibration(const block_counts *of, const loop_processor *on)
+{
+    const size_t modes = of->modes, sensors = of->readings;
+    const double few = sensors < of->outputs ? product(on, sensors, of->inputs) : 0;
+    const double missed = LOOP_WORK_MISSED * (few + product(on, modes, of->inputs));
+    return loop_work_vibration(of, on) + missed +
+           on->other * (LOOP_WORK_MISSED + 2) * (22 * (double)sensors + 44 * (double)modes + 200);
+}
+
 double loop_work_effect(const block_counts *of, const loop_processor *on)
 {
     const double plays = (double)of->plays, moved = plays + (double)of->near_plays;

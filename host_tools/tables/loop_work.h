@@ -94,8 +94,8 @@ extern const loop_processor loop_processor_table[LOOP_PROCESSORS];
 typedef double loop_work_bound(const block_counts *of, const loop_processor *on);
 loop_work_bound loop_work_rest, loop_work_selftest, loop_work_delay, loop_work_feed_forward,
     loop_work_governor, loop_work_gate, loop_work_modal_gains, loop_work_free_functions,
-    loop_work_estimator, loop_work_vibration, loop_work_effect, loop_work_step, loop_work_row_step,
-    loop_work_inverse, loop_work_curve, loop_work_curve_inverse, loop_work_amplifier,
-    loop_work_detector, loop_work_pulse_detector, loop_work_supervisor;
+    loop_work_estimator, loop_work_vibration, loop_work_lag_vibration, loop_work_effect,
+    loop_work_step, loop_work_row_step, loop_work_inverse, loop_work_curve, loop_work_curve_inverse,
+    loop_work_amplifier, loop_work_detector, loop_work_pulse_detector, loop_work_supervisor;
 
 #endif

@@ -14,6 +14,18 @@
  * the time of the readings, `delay` ticks ago, and predicts the present state from the corrected
  * one.
  *
+ * Where amplifiers lag, their output y follows the commanded voltages v with one time constant. All
+ * that the damper computes from voltages is linear in them, so it filters the results:
+ *   a  part of y - v that is left after a tick;  b  mean of this part in the tick
+ *   y(next tick) = v + a (y - v),  mean of y in the tick = v + b (y - v)
+ * The modes are predicted with the mean of y. The voltages are to move y as they would move v
+ * without lag: by an amount c d(k) in tick k, with the deviation d of a mode from its equilibrium
+ * under y. For this they have to change by
+ *   c (d(k) - a d(k - 1)) / (1 - a).
+ * The damper finds d(k - 1) by turning the mode back by a tick. For a sine this change has the
+ * phase of d before the lag, so that step limits, which cut it, do not turn the phase of y. With
+ * the position, velocity and y - v of a mode it is a sum of three terms.
+ *
  * Work of a tick (multiply-adds), besides the optimisation of the voltages: at most
  *   3 * modes * (sensors + outputs) + inputs * (sensors + 2 * modes) + outputs * sensors
  */
@@ -53,7 +65,8 @@ static uint32_t list_parts(const pzs_vibration *tables, pzs_table_part part[PZS_
     part[10] = scrub_reals(tables->damping, modes * inputs);
     part[11] = scrub_reals(tables->inverse_angle, modes);
     part[12] = scrub_reals(&tables->share, 3);
-    return 13;
+    part[13] = scrub_reals(tables->lag, tables->lag != NULL ? 2 + 2 * modes : 0);
+    return 14;
 }
 
 uint32_t pzs_vibration_crc(const pzs_vibration *tables)
@@ -99,13 +112,21 @@ static bool are_finite(const pzs_vibration *tables)
            is_finite_array(tables->observer, 3 * modes * modes) &&
            is_finite_array(tables->explain, modes * modes) &&
            is_finite_array(tables->damping, modes * inputs) &&
-           is_finite_array(tables->inverse_angle, modes);
+           is_finite_array(tables->inverse_angle, modes) &&
+           is_finite_array(tables->lag, 2 + 2 * modes);
+}
+
+/* Whether the lag of the amplifiers, if there is one, takes the output to the commanded voltage. */
+static bool is_lag_stable(const pzs_real *lag)
+{
+    return lag == NULL || (lag[0] >= 0 && lag[0] < 1 && lag[1] >= 0 && lag[1] <= 1);
 }
 
 static bool are_in_range(const pzs_vibration *tables)
 {
-    return tables->delay <= PZS_DELAY_LIMIT && tables->share > 0 && tables->share <= 1 &&
-           tables->mix >= 0 && tables->mix <= 1 && tables->slow >= 0 && tables->slow <= 1;
+    return is_lag_stable(tables->lag) && tables->delay <= PZS_DELAY_LIMIT && tables->share > 0 &&
+           tables->share <= 1 && tables->mix >= 0 && tables->mix <= 1 && tables->slow >= 0 &&
+           tables->slow <= 1;
 }
 
 static pzs_status check(const pzs_vibration *tables, const pzs_problem *problem)
@@ -154,10 +175,43 @@ static pzs_real *expected_of(const pzs_damper *damper, uint32_t age)
 }
 
 /*
- * Compute the modal coordinates and the readings of static equilibrium under the present voltages,
- * and store them in the newest row of the ring buffer that holds those of the last ticks.
+ * Advance the first-order lag of the amplifiers by a tick, for numbers that are proportional to
+ * their voltages.
+ *   output [count] in/out  numbers under the output voltages, at the last and at the present tick
+ *   number [count] in/out  in: under the commanded voltages; out: mean under the output voltages
  */
-static void record_voltages(pzs_damper *damper)
+static void lag_numbers(const pzs_vibration *tables, pzs_real *output, pzs_real *number,
+                        size_t count)
+{
+    const pzs_real kept = tables->lag[0], mean = tables->lag[1];
+    for (size_t i = 0; i < count; i++) {
+        const pzs_real behind = output[i] - number[i];
+        output[i] = number[i] + kept * behind;
+        number[i] += mean * behind;
+    }
+}
+
+/*
+ * Replace the static modal coordinates and readings in the newest row of the ring buffer, which are
+ * those under the commanded voltages, by their means under the output voltages of the amplifiers.
+ */
+static void lag_voltages(pzs_damper *damper)
+{
+    const pzs_vibration *tables = damper->state.tables;
+    const size_t modes = tables->modes;
+    pzs_real *equilibrium = equilibrium_of(damper, 0), *output = damper->state.output;
+    for (size_t i = 0; i < modes; i++)
+        damper->state.behind[i] = output[i] - equilibrium[i];
+    lag_numbers(tables, output, equilibrium, modes);
+    lag_numbers(tables, output + width_of(damper), expected_of(damper, 0), tables->sensors);
+}
+
+/*
+ * Compute the modal coordinates and the readings of static equilibrium under the present voltages,
+ * as commanded, and store them in the newest row of the ring buffer that holds those of the last
+ * ticks.
+ */
+static void record_commands(pzs_damper *damper)
 {
     const pzs_vibration *tables = damper->state.tables;
     pzs_control *control = damper->state.control;
@@ -168,10 +222,18 @@ static void record_voltages(pzs_damper *damper)
                            tables->sensors, tables->inputs);
     } else {
         pzs_control_predict(control);
-        if (tables->delay > 0)
+        if (expected_of(damper, 0) != control->state.predicted)
             memcpy(expected_of(damper, 0), control->state.predicted,
                    tables->sensors * sizeof(pzs_real));
     }
+}
+
+/* The same, with the lag of the amplifiers. */
+static void record_voltages(pzs_damper *damper)
+{
+    record_commands(damper);
+    if (damper->state.output != NULL)
+        lag_voltages(damper);
 }
 
 /*
@@ -236,7 +298,7 @@ static void advance(pzs_damper *damper, bool is_same)
 {
     damper->state.newest =
         (uint16_t)((damper->state.newest + 1u) % (damper->state.tables->delay + 1u));
-    if (is_same)
+    if (is_same && damper->state.tables->lag == NULL)
         repeat_voltages(damper);
     else
         record_voltages(damper);
@@ -279,27 +341,52 @@ static void keep_velocity(pzs_damper *damper)
  */
 #define RESIDUAL_ROUNDING 2
 
-/* Store a copy of the state of the vibration modes for the next tick, and the sum of its words. */
-static void keep_state(pzs_damper *damper)
+/*
+ * Store a copy of an array behind it, for the next tick. Returns the sum of its words.
+ *   state [2][count] in/out  array and copy; count is a multiple of 4
+ */
+static uint32_t keep_copy(pzs_real *state, size_t count)
 {
-    const size_t width = width_of(damper);
-    pzs_real *late = damper->state.late;
-    memcpy(late + 4 * width, late, 4 * width * sizeof *late);
-    damper->state.late_sum = pzs_guard_word_sum(late, 4 * width * sizeof *late);
+    memcpy(state + count, state, count * sizeof *state);
+    return pzs_guard_word_sum(state, count * sizeof *state);
 }
 
 /*
- * If the state of the vibration modes is not that of the end of the last tick, take its copy. One
- * damaged number would otherwise drive the voltages to their limits, for as long as the observer
- * takes to forget it. Where the copy has another sum as well, the sum itself is damaged.
+ * If an array is not that of the end of the last tick, take its copy. Where the copy has another
+ * sum as well, the sum itself is damaged.
+ *   state [2][count] in/out  array and copy
+ *   sum              in      result of keep_copy
+ */
+static void repair_copy(pzs_real *state, size_t count, uint32_t sum)
+{
+    const size_t bytes = count * sizeof *state;
+    if (pzs_guard_word_sum(state, bytes) != sum && pzs_guard_word_sum(state + count, bytes) == sum)
+        memcpy(state, state + count, bytes);
+}
+
+/* Number of entries of the static positions and readings under the amplifiers' output voltages. */
+static size_t output_width(const pzs_damper *damper)
+{
+    return width_of(damper) + sensor_width(damper);
+}
+
+/* Store a copy of the state of the vibration modes for the next tick, and the sum of its words. */
+static void keep_state(pzs_damper *damper)
+{
+    damper->state.late_sum = keep_copy(damper->state.late, 4 * width_of(damper));
+    if (damper->state.output != NULL)
+        damper->state.output_sum = keep_copy(damper->state.output, output_width(damper));
+}
+
+/*
+ * Repair the state of the vibration modes and of the amplifiers. One damaged number would otherwise
+ * drive the voltages to their limits, for as long as the observer takes to forget it.
  */
 static void repair_state(pzs_damper *damper)
 {
-    const size_t width = width_of(damper), bytes = 4 * width * sizeof(pzs_real);
-    pzs_real *late = damper->state.late;
-    if (pzs_guard_word_sum(late, bytes) != damper->state.late_sum &&
-        pzs_guard_word_sum(late + 4 * width, bytes) == damper->state.late_sum)
-        memcpy(late, late + 4 * width, bytes);
+    repair_copy(damper->state.late, 4 * width_of(damper), damper->state.late_sum);
+    if (damper->state.output != NULL)
+        repair_copy(damper->state.output, output_width(damper), damper->state.output_sum);
 }
 
 /*
@@ -535,6 +622,19 @@ static void correct(pzs_damper *damper)
  */
 
 /*
+ * Advance the phase of the deviations that the voltages damp by that of the amplifiers' lag.
+ *   damped [modes] in/out  deviation of each vibration mode from its static equilibrium (m)
+ */
+static void lead_lag(const pzs_damper *damper, pzs_real *damped)
+{
+    const size_t modes = damper->state.tables->modes;
+    const pzs_real *velocity = damper->state.now + width_of(damper),
+                   *by_velocity = damper->state.tables->lag + 2, *by_lag = by_velocity + modes;
+    for (size_t i = 0; i < modes; i++)
+        damped[i] += by_velocity[i] * velocity[i] + by_lag[i] * damper->state.behind[i];
+}
+
+/*
  * Compute how far each vibration mode deviates from its static equilibrium, and the damping
  * gradient: the term in the gradient of the tick's objective by which the voltages damp the modes.
  */
@@ -553,6 +653,8 @@ static void damp(pzs_damper *damper)
         energy += deviation * deviation + velocity[i] * velocity[i];
     }
     damper->info.deviation = PZS_SQRT(energy);
+    if (tables->lag != NULL)
+        lead_lag(damper, damped);
     pzs_product_sum_rows(damper->state.damping, tables->damping, tables->inputs, damped,
                          tables->modes, tables->inputs);
     const pzs_real share = damper->state.control->state.is_paused ? 0 : tables->share;
@@ -615,6 +717,13 @@ static pzs_status finish(pzs_damper *damper, pzs_status status, int32_t where)
     return status;
 }
 
+/* Size of the workspace of a vibration damper (bytes). */
+static size_t damper_bytes(const pzs_vibration *tables)
+{
+    const size_t lag = tables->lag != NULL ? PZS_LAG_BYTES(tables->modes, tables->sensors) : 0;
+    return lag + PZS_DAMPER_BYTES(tables->modes, tables->inputs, tables->sensors, tables->delay);
+}
+
 /* Set the pointers of the vibration damper to its arrays in the workspace. */
 static void lay_out(pzs_damper *damper, pzs_real *at)
 {
@@ -631,18 +740,32 @@ static void lay_out(pzs_damper *damper, pzs_real *at)
     damper->state.innovation = at + sensors;
     damper->state.sensed = at + 2 * sensors;
     damper->state.residual = at + 3 * sensors;
-    // Without delay the predicted shape of the controller lasts long enough.
-    const bool is_shared = rows == 1 && damper->state.tables->direct == NULL;
+    // Without delay and lag the predicted shape of the controller lasts long enough.
+    const bool lags = damper->state.tables->lag != NULL;
+    const bool is_shared = rows == 1 && damper->state.tables->direct == NULL && !lags;
     damper->state.expected = is_shared ? damper->state.control->state.predicted : at + 4 * sensors;
     at += (4 + rows) * sensors;
     damper->state.damping = at;
     at += PZS_FOURS(damper->state.tables->inputs);
     damper->state.carry = at;
     at += PZS_FOURS(damper->state.tables->inputs);
+    damper->state.output = lags ? at : NULL;
+    damper->state.behind = at + 2 * (width + sensors);
+    if (lags)
+        at = damper->state.behind + width;
     damper->state.repeats = (uint8_t *)at;
     damper->info.position = damper->state.now;
     damper->info.velocity = damper->state.now + width;
     damper->info.load = damper->state.now + 2 * width;
+}
+
+/* Set the output voltages of amplifiers that lag to the present voltages. */
+static void settle_amplifiers(pzs_damper *damper)
+{
+    const pzs_vibration *tables = damper->state.tables;
+    pzs_real *output = damper->state.output;
+    memcpy(output, equilibrium_of(damper, 0), tables->modes * sizeof *output);
+    memcpy(output + width_of(damper), expected_of(damper, 0), tables->sensors * sizeof *output);
 }
 
 /*
@@ -654,9 +777,11 @@ static void set_initial_state(pzs_damper *damper)
     const size_t bytes = width_of(damper) * sizeof(pzs_real);
     for (uint32_t i = 0; i <= damper->state.tables->delay; i++) {
         damper->state.newest = (uint16_t)i;
-        record_voltages(damper);
+        record_commands(damper);
         keep_row(damper);
     }
+    if (damper->state.output != NULL)
+        settle_amplifiers(damper);
     memcpy(damper->state.late, equilibrium_of(damper, 0), bytes);
     memcpy(damper->state.now, equilibrium_of(damper, 0), bytes);
     damper->state.residual_most = 0;
@@ -684,8 +809,7 @@ pzs_status pzs_damper_init(pzs_damper *damper, pzs_control *control, const pzs_v
         control->state.stage == CONTROL_READY ? check(tables, control->state.problem) : PZS_E_STAGE;
     if (status != PZS_OK)
         return finish(damper, status, -1);
-    const size_t need =
-        PZS_DAMPER_BYTES(tables->modes, tables->inputs, tables->sensors, tables->delay);
+    const size_t need = damper_bytes(tables);
     const int32_t missing = guard_missing_bytes(work, bytes, need);
     if (missing >= 0)
         return finish(damper, PZS_E_WORKSPACE, missing);
@@ -760,13 +884,15 @@ pzs_status pzs_damper_skip(pzs_damper *damper, uint16_t ticks)
 
 static size_t workspace_of(const pzs_vibration *tables)
 {
-    return PZS_ALIGNED(
-        PZS_DAMPER_BYTES(tables->modes, tables->inputs, tables->sensors, tables->delay));
+    return PZS_ALIGNED(damper_bytes(tables));
 }
 
 static size_t block_bytes(const void *tables, const pzs_problem *problem)
 {
     const pzs_vibration *vibration = tables;
+    if (vibration->lag != NULL)
+        return PZS_VIBRATION_BLOCK_LAG_BYTES(vibration->modes, vibration->inputs, problem->outputs,
+                                             vibration->sensors, vibration->delay);
     return PZS_VIBRATION_BLOCK_BYTES(vibration->modes, vibration->inputs, problem->outputs,
                                      vibration->sensors, vibration->delay);
 }

@@ -12,6 +12,7 @@ import numpy as np
 from textdata import write
 
 MODES, INPUTS, SENSORS, OUTPUTS, DELAY, TICKS = 4, 3, 7, 10, 2, 40
+LAG, LEAD_LOSS = 0.2, 0.5  # tick over the time constant of the amplifiers
 KICK, DRIFT, SLOW, MIX, RIDGE = 0.25, 0.21, 0.05, 0.75, 1e-7
 
 
@@ -28,6 +29,47 @@ def riccati(a, c, q):
         if np.abs(step).max() <= 1e-15 * np.abs(solution).max():
             break
     return solution
+
+
+def ticks(f, lag):
+    """States, shapes and damping gradients of all ticks; lag: tick over time constant, or 0."""
+    n, angle, modal, voltage = MODES, f['angle'], f['modal'], f['voltage']
+    kept = np.exp(-lag) if lag else 0
+    mean = (1 - kept) / lag if lag else 0
+    scale = abs((1 - kept * np.exp(-1j * angle)) / (1 - kept)) ** -LEAD_LOSS
+
+    x = np.concatenate([modal @ voltage[0], np.zeros(2 * n)])
+    output = voltage[0]
+    past = [voltage[0]] * (DELAY + 1)
+    residual, before = np.zeros(SENSORS), np.zeros(n)
+    states, shapes, gradients = [], [], []
+    for k in range(TICKS):
+        # The present voltages were given out at the last tick; past holds what acted since then.
+        acting, earlier = voltage[k] + mean * (output - voltage[k]), output
+        past = past[1:] + [acting]
+        output = voltage[k] + kept * (output - voltage[k])
+        x = f['a'] @ x + f['b'] @ past[0]
+        if not f['absent'][k]:
+            static = (f['direct'] - f['reading'] @ modal) @ past[0]
+            e = f['frames'][k] - f['reading'] @ x[:n] - static
+            e = np.where(f['missing'][k], residual, e)
+            x = x + f['observer'] @ e
+            residual = residual + SLOW * (f['rest'] @ e - residual)
+        now = x
+        for v in past[1:]:
+            now = f['a'] @ now + f['b'] @ v
+        position, velocity, load = now[:n], now[n:2 * n], now[2 * n:]
+        mixed = (1 - MIX) * (position - load - modal @ output)
+        mixed += MIX * (before - velocity) / angle
+        before = velocity
+        # The deviation from the equilibrium under the output a tick before: the mode turned back.
+        last = np.cos(angle) * (mixed + modal @ (output - acting)) - np.sin(angle) * velocity
+        last -= modal @ (earlier - acting)
+        change = (mixed - kept * last) / (1 - kept)
+        states.append(now)
+        shapes.append(f['influence'] @ voltage[k] + f['shape'] @ load + f['gain'] @ residual)
+        gradients.append(f['damping'].T @ (scale * change))
+    return states, shapes, gradients
 
 
 def main():
@@ -69,35 +111,18 @@ def main():
     missing = rng.uniform(0, 1, (TICKS, SENSORS)) < 0.1
     absent = rng.uniform(0, 1, TICKS) < 0.15
 
-    x = np.concatenate([modal @ voltage[0], np.zeros(2 * n)])
-    past = [voltage[0]] * (DELAY + 1)
-    residual, before = np.zeros(SENSORS), np.zeros(n)
-    states, shapes, gradients = [], [], []
-    for k in range(TICKS):
-        past = past[1:] + [voltage[k]]  # the present voltages, given out since the last tick
-        x = a @ x + b @ past[0]
-        if not absent[k]:
-            static = (direct - reading @ modal) @ past[0]
-            e = frames[k] - reading @ x[:n] - static
-            e = np.where(missing[k], residual, e)
-            x = x + observer @ e
-            residual = residual + SLOW * (rest @ e - residual)
-        now = x
-        for v in past[1:]:
-            now = a @ now + b @ v
-        position, velocity, load = now[:n], now[n:2 * n], now[2 * n:]
-        deviation = position - load - modal @ voltage[k]
-        mixed = (1 - MIX) * deviation + MIX * (before - velocity) / angle
-        before = velocity
-        states.append(now)
-        shapes.append(influence @ voltage[k] + shape @ load + gain @ residual)
-        gradients.append(damping.T @ mixed)
+    frame = dict(a=a, b=b, angle=angle, modal=modal, shape=shape, reading=reading, direct=direct,
+                 influence=influence, gain=gain, damping=damping, observer=observer, rest=rest,
+                 voltage=voltage, frames=frames, missing=missing, absent=absent)
+    states, shapes, gradients = ticks(frame, 0)
+    lag_states, lag_shapes, lag_gradients = ticks(frame, LAG)
 
     arrays = dict(angle=angle, ratio=ratio, modal=modal, shape=shape, reading=reading,
                   direct=direct, influence=influence, gain=gain, damping=damping, covariance=p,
                   observer=observer, voltage=voltage, frames=frames, missing=missing,
                   absent=absent, states=np.array(states), shapes=np.array(shapes),
-                  gradients=np.array(gradients))
+                  gradients=np.array(gradients), lag_states=np.array(lag_states),
+                  lag_shapes=np.array(lag_shapes), lag_gradients=np.array(lag_gradients))
     path = os.path.join(os.path.dirname(os.path.abspath(__file__)), 'data', 'damper.txt')
     write(path, 'Written by write_damper.py: a damper with random tables, and 40 ticks of it.',
           [('damper', {}, arrays)])

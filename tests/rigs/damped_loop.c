@@ -221,11 +221,21 @@ static size_t count_modes(const damped_loop *loop)
     return count;
 }
 
+/*
+ * Tick interval over the time constant of the amplifiers' lag, as the damper believes; 0: the lag
+ * is shorter than a tick.
+ */
+static double lag_of(const damped_loop *loop)
+{
+    const double times = 2 * pi * loop->structure->bandwidth * loop->interval;
+    return times < 1 ? times : 0;
+}
+
 static void compute_gains(damped_loop *loop)
 {
     const modal_structure *structure = loop->structure;
     const size_t modes = loop->modes, inputs = structure->inputs;
-    double *at = loop->memory = zeros(17 * modes * modes + 8 * modes + 4 * modes * inputs);
+    double *at = loop->memory = zeros(17 * modes * modes + 10 * modes + 4 * modes * inputs + 2);
     double *angle = at, *ratio = angle + modes, *square = ratio + modes, *modal = square + modes,
            *lift = modal + modes * inputs, *overlap = lift + modes * inputs;
     at = overlap + modes * modes;
@@ -235,6 +245,7 @@ static void compute_gains(damped_loop *loop)
     loop->gains.explain = loop->gains.damping + modes * inputs;
     loop->gains.observer = loop->gains.explain + modes * modes;
     loop->gains.covariance = loop->gains.observer + 3 * modes * modes;
+    loop->gains.lag = loop->gains.covariance + 9 * modes * modes;
     for (size_t k = 0; k < modes; k++) {
         angle[k] = structure->omega[k] * loop->interval;
         ratio[k] = structure->ratio[k];
@@ -251,8 +262,8 @@ static void compute_gains(damped_loop *loop)
                     structure->shape[output_of(loop, i) * structure->modes + k] *
                     structure->shape[output_of(loop, i) * structure->modes + other];
     }
-    const damper_model model = {modes, inputs,  loop->sensors, angle, ratio,
-                                modal, overlap, lift,          square};
+    const damper_model model = {modes, inputs,  loop->sensors, angle,  ratio,
+                                modal, overlap, lift,          square, lag_of(loop)};
     assert_int_equal(damper_compute(&loop->gains, &model, &loop->settings), 0);
 }
 
@@ -361,6 +372,8 @@ static void fill_vibration(damped_loop *loop, pzs_real **at, int delay)
     tables->explain = put(at, loop->gains.explain, modes * modes);
     tables->damping = put(at, loop->gains.damping, modes * inputs);
     tables->inverse_angle = put(at, loop->gains.inverse_angle, modes);
+    if (lag_of(loop) > 0)
+        tables->lag = put(at, loop->gains.lag, 2 + 2 * modes);
     tables->share = (pzs_real)loop->gains.share;
     tables->mix = (pzs_real)loop->gains.mix;
     tables->slow = (pzs_real)loop->gains.slow;
@@ -376,8 +389,8 @@ static void start(damped_loop *loop)
 {
     const size_t inputs = loop->problem.inputs, outputs = loop->problem.outputs;
     size_t count = 0, bytes = PZS_STEP_BLOCK_BYTES(inputs, outputs) +
-                              PZS_VIBRATION_BLOCK_BYTES(loop->modes, inputs, outputs, loop->sensors,
-                                                        loop->vibration.delay);
+                              PZS_VIBRATION_BLOCK_LAG_BYTES(loop->modes, inputs, outputs,
+                                                            loop->sensors, loop->vibration.delay);
     if (loop->governor.part > 0) {
         loop->governor.share = loop->vibration.share;
         loop->block[count++] = (pzs_block){&pzs_governor_block, &loop->governor};
@@ -423,10 +436,11 @@ void damped_loop_open(damped_loop *loop, const modal_structure *structure, doubl
                  few = sensor ? sensors : 0;
     const size_t reals = outputs * inputs + outputs + 4 * inputs + outputs * modes +
                          few * (modes + inputs + outputs) + 2 * modes * inputs + 5 * modes +
-                         4 * modes * modes;
+                         4 * modes * modes + (lag_of(loop) > 0 ? 2 + 2 * modes : 0);
     loop->tables = calloc(reals, sizeof *loop->tables);
     loop->voltage = zeros(inputs);
     loop->played = zeros(inputs);
+    loop->output = zeros(inputs);
     loop->shape = zeros(outputs);
     loop->history = zeros(HISTORY * outputs);
     loop->read = zeros(outputs);
@@ -491,6 +505,7 @@ void damped_loop_close(damped_loop *loop)
     free(loop->work);
     free(loop->voltage);
     free(loop->played);
+    free(loop->output);
     free(loop->shape);
     free(loop->history);
     free(loop->read);
@@ -525,16 +540,31 @@ void damped_loop_reset(damped_loop *loop, plant_error error)
     memset(loop->shape, 0, structure->outputs * sizeof *loop->shape);
     memset(loop->voltage, 0, structure->inputs * sizeof *loop->voltage);
     memset(loop->played, 0, structure->inputs * sizeof *loop->played);
+    memset(loop->output, 0, structure->inputs * sizeof *loop->output);
     memset(loop->history, 0, HISTORY * structure->outputs * sizeof *loop->history);
     start(loop);
 }
 
-/* Compute the voltages that act on the plant, with play and nonlinear gain. */
+/*
+ * Advance the output voltage of an amplifier by a tick, in which its command is constant. Returns
+ * the mean output voltage in this tick.
+ */
+static double amplify(const damped_loop *loop, double *output, double command)
+{
+    const double times = 2 * pi * loop->structure->bandwidth * (1 - loop->slower) * loop->interval;
+    const double behind = *output - command;
+    if (!(times > 0))
+        return command;
+    *output = command + behind * exp(-times);
+    return command - behind * expm1(-times) / times;
+}
+
+/* Compute the voltages that act on the plant, with lag, play and nonlinear gain. */
 static void act(damped_loop *loop)
 {
     const double limit = loop->structure->limit, half = loop->error.play * limit;
     for (size_t j = 0; j < loop->structure->inputs; j++) {
-        const double voltage = (double)loop->loop.info.voltage[j];
+        const double voltage = amplify(loop, &loop->output[j], (double)loop->loop.info.voltage[j]);
         if ((int)j == loop->stuck_input)
             continue;
         loop->played[j] = fmin(fmax(loop->played[j], voltage - half), voltage + half);

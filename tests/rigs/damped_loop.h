@@ -24,6 +24,8 @@ typedef struct modal_structure {
     double *load_shape; /* [outputs] static shape under the load */
     double *goal;       /* [outputs] target shape */
     double limit;       /* voltage limits are -limit and limit */
+    double bandwidth;   /* corner frequency of the first-order lag of the amplifiers (Hz), of which
+                           the damper knows where it is longer than a tick; 0: no lag */
 } modal_structure;
 
 /* Allocate a structure with all arrays zero. */
@@ -86,6 +88,8 @@ typedef struct damped_loop {
     pzs_block law;    /* control law in place of the control step; type NULL: the control step */
     bool is_undamped; /* the loop has no vibration damper */
     pzs_reading_delay lateness; /* correction of late readings of a loop without a damper */
+    double *output;             /* [inputs] output voltages of the amplifiers (V) */
+    double slower; /* part by which their corner frequency is lower than that of the structure */
     double *voltage, *played, *shape, *history;
     pzs_real *wanted, *sensed;
     int tick;

@@ -20,9 +20,9 @@
 
 #define EPS ((double)PZS_EPSILON)
 #ifdef __SANITIZE_ADDRESS__
-enum { STORM_DELAYS = 1 };
+enum { STORM_DELAYS = 1, SLOW_AMPLIFIERS = 1 };
 #else
-enum { STORM_DELAYS = 3 };
+enum { STORM_DELAYS = 3, SLOW_AMPLIFIERS = 4 };
 #endif
 
 /* Thirty storms: five plants, three delays, two step limits. Returns the number that do not settle
@@ -138,6 +138,7 @@ static void plate_settles_fast(void **state)
 typedef struct oracle {
     testdata data;
     size_t modes, inputs, sensors, outputs, ticks;
+    double lag; /* tick over the time constant of the amplifiers */
     pzs_real *memory, *at;
     pzs_problem problem;
     pzs_vibration tables;
@@ -183,12 +184,17 @@ static void oracle_problem(oracle *o)
     assert_int_equal(pzs_problem_seal(&o->problem), PZS_OK);
 }
 
-/* Gains of the oracle's modes, computed by damper_compute; P and the observer against numpy. */
+/*
+ * Gains of the oracle's modes, computed by damper_compute; P and the observer against numpy. The
+ * damping gradients are those of a product of 1 of influence matrix and mode shapes.
+ */
 static void oracle_gains(oracle *o, double gains_memory[1024], damper_gains *gains)
 {
     const size_t n = o->modes;
-    double overlap[64] = {0}, lift[64] = {0}, square[8] = {0};
+    double overlap[64] = {0}, lift[64], square[8] = {0};
     const double *reading = testdata_values(&o->data, "reading");
+    for (size_t i = 0; i < 64; i++)
+        lift[i] = 1;
     for (size_t i = 0; i < o->sensors; i++)
         for (size_t k = 0; k < n * n; k++)
             overlap[k] += reading[i * n + k / n] * reading[i * n + k % n];
@@ -200,15 +206,18 @@ static void oracle_gains(oracle *o, double gains_memory[1024], damper_gains *gai
                                 testdata_values(&o->data, "modal"),
                                 overlap,
                                 lift,
-                                square};
+                                square,
+                                o->lag};
     damper_settings settings = damper_default_settings();
     settings.slow = 0.05;
+    settings.cut = 2;
     *gains = (damper_gains){.turn = gains_memory,
                             .observer = gains_memory + 64,
                             .explain = gains_memory + 256,
                             .damping = gains_memory + 320,
                             .inverse_angle = gains_memory + 384,
-                            .covariance = gains_memory + 400};
+                            .covariance = gains_memory + 400,
+                            .lag = gains_memory + 600};
     assert_int_equal(damper_compute(gains, &model, &settings), 0);
     const double *p = testdata_values(&o->data, "covariance");
     for (size_t i = 0; i < 9 * n * n; i++)
@@ -223,11 +232,36 @@ static void oracle_gains(oracle *o, double gains_memory[1024], damper_gains *gai
         }
 }
 
-static void oracle_open(oracle *o)
+/*
+ * The damping gradients of the oracle, multiplied by the factor that damper_compute gives each mode
+ * for the lag of the amplifiers.
+ */
+static const pzs_real *oracle_damping(oracle *o, const damper_gains *gains)
+{
+    static double plain_memory[1024];
+    const double lag = o->lag, *damping = testdata_values(&o->data, "damping");
+    double scaled[64];
+    damper_gains plain;
+    o->lag = 0;
+    oracle_gains(o, plain_memory, &plain);
+    o->lag = lag;
+    for (size_t i = 0; i < o->modes * o->inputs; i++)
+        scaled[i] = damping[i] * gains->damping[i] / plain.damping[i];
+    return rounded(o, scaled, o->modes * o->inputs);
+}
+
+static size_t oracle_bytes(const oracle *o)
+{
+    const size_t lag = o->lag > 0 ? PZS_LAG_BYTES(o->modes, o->sensors) : 0;
+    return lag + PZS_DAMPER_BYTES(o->modes, o->inputs, o->sensors, 2);
+}
+
+static void oracle_open(oracle *o, double lag)
 {
     static double gains_memory[1024];
     damper_gains gains;
     memset(o, 0, sizeof *o);
+    o->lag = lag;
     FILE *file = fopen("tests/oracle/data/damper.txt", "r");
     assert_non_null(file);
     assert_int_equal(testdata_next(file, &o->data), 1);
@@ -252,7 +286,7 @@ static void oracle_open(oracle *o)
                                 .direct = of_key(o, "direct"),
                                 .gain = of_key(o, "gain"),
                                 .modal = of_key(o, "modal"),
-                                .damping = of_key(o, "damping"),
+                                .damping = oracle_damping(o, &gains),
                                 .turn = rounded(o, gains.turn, 4 * n),
                                 .observer = rounded(o, gains.observer, 3 * n * n),
                                 .explain = rounded(o, gains.explain, n * n),
@@ -260,9 +294,11 @@ static void oracle_open(oracle *o)
                                 .share = PZS_R(0.1),
                                 .mix = PZS_R(0.75),
                                 .slow = PZS_R(0.05)};
+    if (o->lag > 0)
+        o->tables.lag = rounded(o, gains.lag, 2 + 2 * n);
     assert_int_equal(pzs_vibration_seal(&o->tables), PZS_OK);
     o->control_work = malloc(PZS_CONTROL_BYTES(o->inputs, o->outputs));
-    o->damper_work = malloc(PZS_DAMPER_BYTES(n, o->inputs, o->sensors, 2));
+    o->damper_work = malloc(oracle_bytes(o));
     assert_true(o->control_work && o->damper_work);
     assert_int_equal(pzs_control_init(&o->control, &o->problem, NULL, o->control_work,
                                       PZS_CONTROL_BYTES(o->inputs, o->outputs)),
@@ -308,44 +344,68 @@ static void assert_all_near(const pzs_real *x, const double *expected, size_t n,
 }
 
 /*
+ * Compare forty ticks with numpy.
+ *   lag    in  tick over the time constant of the amplifiers; 0: they do not lag
+ *   before in  beginning of the names of the results of numpy
+ */
+static void compare_with_numpy(double lag, const char *before)
+{
+    const double tolerance = 1000 * EPS;
+    const char *const ending[] = {"states", "shapes", "gradients"};
+    const double *expected[3];
+    char name[40];
+    oracle o;
+    pzs_real shape[16];
+    oracle_open(&o, lag);
+    for (int i = 0; i < 3; i++) {
+        snprintf(name, sizeof name, "%s%s", before, ending[i]);
+        expected[i] = testdata_values(&o.data, name);
+    }
+    oracle_apply(&o, 0);
+    assert_int_equal(
+        pzs_damper_init(&o.damper, &o.control, &o.tables, o.damper_work, oracle_bytes(&o)), PZS_OK);
+    const size_t n = o.modes;
+    for (size_t k = 0; k < o.ticks; k++) {
+        oracle_apply(&o, k);
+        assert_false(PZS_IS_ERROR(oracle_tick(&o, k, shape)));
+        const double *x = expected[0] + 3 * k * n;
+        assert_all_near(o.damper.info.position, x, n, tolerance);
+        assert_all_near(o.damper.info.velocity, x + n, n, tolerance);
+        assert_all_near(o.damper.info.load, x + 2 * n, n, tolerance);
+        assert_all_near(shape, expected[1] + k * o.outputs, o.outputs, tolerance);
+        assert_all_near(o.control.state.damping, expected[2] + k * o.inputs, o.inputs,
+                        2 * tolerance);
+    }
+    oracle_close(&o);
+}
+
+/*
  * Estimates, shapes and damping gradients of forty ticks with a delay of two, with readings and
  * frames that are missing, are those of numpy. The states of the observer forget errors within some
  * ten ticks, so rounding errors of about 100 operations add up over ten ticks.
  */
 static void damper_is_that_of_numpy(void **state)
 {
-    const double tolerance = 1000 * EPS;
-    oracle o;
-    pzs_real shape[16];
     (void)state;
-    oracle_open(&o);
-    oracle_apply(&o, 0);
-    assert_int_equal(pzs_damper_init(&o.damper, &o.control, &o.tables, o.damper_work,
-                                     PZS_DAMPER_BYTES(o.modes, o.inputs, o.sensors, 2)),
-                     PZS_OK);
-    const size_t n = o.modes;
-    for (size_t k = 0; k < o.ticks; k++) {
-        oracle_apply(&o, k);
-        assert_false(PZS_IS_ERROR(oracle_tick(&o, k, shape)));
-        const double *x = testdata_values(&o.data, "states") + 3 * k * n;
-        assert_all_near(o.damper.info.position, x, n, tolerance);
-        assert_all_near(o.damper.info.velocity, x + n, n, tolerance);
-        assert_all_near(o.damper.info.load, x + 2 * n, n, tolerance);
-        assert_all_near(shape, testdata_values(&o.data, "shapes") + k * o.outputs, o.outputs,
-                        tolerance);
-        assert_all_near(o.control.state.damping,
-                        testdata_values(&o.data, "gradients") + k * o.inputs, o.inputs,
-                        2 * tolerance);
-    }
-    oracle_close(&o);
+    compare_with_numpy(0, "");
+}
+
+/*
+ * The same with amplifiers whose time constant is five ticks, the `LAG` of the oracle: there the
+ * output voltages are low-passed, here the products of the voltages with the tables.
+ */
+static void lag_is_that_of_numpy(void **state)
+{
+    (void)state;
+    compare_with_numpy(0.2, "lag_");
 }
 
 static void bad_tables_are_refused(void **state)
 {
     oracle o;
     (void)state;
-    oracle_open(&o);
-    const size_t bytes = PZS_DAMPER_BYTES(o.modes, o.inputs, o.sensors, 2);
+    oracle_open(&o, 0.2);
+    const size_t bytes = oracle_bytes(&o);
     pzs_damper *const d = &o.damper;
     assert_int_equal(pzs_damper_init(NULL, &o.control, &o.tables, o.damper_work, bytes),
                      PZS_E_ARGUMENT);
@@ -376,6 +436,11 @@ static void bad_tables_are_refused(void **state)
     REFUSED(bad->share = (pzs_real)NAN, PZS_E_ARGUMENT);
     REFUSED(bad->mix = 2, PZS_E_ARGUMENT);
     REFUSED(bad->slow = -1, PZS_E_ARGUMENT);
+    static const pzs_real unstable[64] = {1}, backwards[64] = {0, -1},
+                          unknown[64] = {(pzs_real)NAN};
+    REFUSED(bad->lag = unstable, PZS_E_ARGUMENT);
+    REFUSED(bad->lag = backwards, PZS_E_ARGUMENT);
+    REFUSED(bad->lag = unknown, PZS_E_ARGUMENT);
     static const pzs_real not_finite[64] = {(pzs_real)HUGE_VAL};
     REFUSED((bad->explain = not_finite, (void)pzs_vibration_seal(bad)), PZS_E_NONFINITE);
 #undef REFUSED
@@ -409,8 +474,9 @@ static double estimation_error(const damped_loop *d)
 
 /*
  * Of a plant that is exactly the model, the observer knows the present state from readings that are
- * 0 to 3 ticks old; it keeps it without frames, and over missed ticks that it is told of. The state
- * of the plant is compared after the controller's tick and before the plant moves.
+ * 0 to 3 ticks old; it keeps it without frames, and over missed ticks that it is told of, also with
+ * amplifiers whose time constant is 8 ticks. The state of the plant is compared after the
+ * controller's tick and before the plant moves.
  */
 static void exact_plant_is_known(void **state)
 {
@@ -419,10 +485,12 @@ static void exact_plant_is_known(void **state)
     modal_structure s;
     (void)state;
     small_plate(&s, 0.005);
-    for (int delay = 0; delay < 4; delay++) {
+    for (int i = 0; i < 8; i++) {
+        const int delay = i % 4;
         damped_loop d;
         plant_error error = EXACT_PLANT;
         error.delay = delay;
+        s.bandwidth = i < 4 ? 0 : 10;
         damped_loop_open(&d, &s, 2e-3, 20, delay, NULL, 0, &settings);
         assert_int_equal(d.modes, 8);
         damped_loop_reset(&d, error);
@@ -459,13 +527,15 @@ static void damaged_tables_are_found(void **state)
     modal_structure s;
     (void)state;
     small_plate(&s, 0.005);
+    s.bandwidth = 10;
     double *target = calloc(s.outputs, sizeof *target);
-    for (int kind = 0; kind < 3; kind++) {
+    for (int kind = 0; kind < 4; kind++) {
         damped_loop d;
         damped_loop_open(&d, &s, 2e-3, 20, 1, NULL, 0, &settings);
         damped_loop_reset(&d, EXACT_PLANT);
-        pzs_real *const entry = (pzs_real *)(uintptr_t)(kind == 1 ? &d.vibration.shape[5]
-                                                                  : &d.vibration.inverse_angle[1]);
+        const pzs_real *const entries[] = {d.vibration.shape, d.vibration.shape + 5,
+                                           d.vibration.inverse_angle + 1, d.vibration.lag + 3};
+        pzs_real *const entry = (pzs_real *)(uintptr_t)entries[kind];
         const size_t bytes = s.outputs * (d.modes + s.inputs) * 2 * sizeof(pzs_real);
         const int most = 50 + 3 * (int)(bytes / 64 + 20);
         pzs_status status = PZS_OK;
@@ -798,6 +868,165 @@ static void governor_keeps_no_exchange(void **state)
     structure_close(&s);
 }
 
+/* ---- amplifiers that lag ----------------------------------------------- */
+
+/*
+ * A structure with one mode and one amplifier, whose time constant is 32 ticks of 1 ms. The
+ * vibration is not damped.
+ */
+static void single_mode(modal_structure *s)
+{
+    structure_open(s, 1, 3, 1);
+    s->omega[0] = 100;
+    s->modal[0] = 1e-6;
+    s->limit = 100;
+    s->bandwidth = 5;
+    for (size_t i = 0; i < 3; i++) {
+        s->shape[i] = 1;
+        s->influence[i] = s->modal[0];
+        s->goal[i] = 1e-5;
+    }
+}
+
+/*
+ * Law: the commanded voltage changes by c (d(k) - a d(k - 1)) / (1 - a), so that the output y of
+ * the amplifier, y(k + 1) - y(k) = (1 - a) (v(k) - y(k)), moves by c d(k) once what it had to catch
+ * up has decayed as a^k. Here d is the deviation of the mode from its equilibrium under y, a the
+ * part of its distance that y keeps over a tick; c is, for a mode of angle t in a tick,
+ * damping t / |1 - a exp(-i t)|^(1/2) (1 - a)^(1/2) over the static coordinate per volt, less what
+ * the regularisation takes. The share
+ * of the static optimum is next to nothing. The observer forgets rounding errors within a few
+ * dozens of ticks, and 1 / (1 - a) = 32 enlarges them.
+ */
+static void voltages_lead_the_deviation(void **state)
+{
+    const double target[3] = {0, 0, 0}, angle = 0.1, kept = exp(-2 * 3.14159265358979 * 0.005);
+    damper_settings settings = damper_default_settings();
+    modal_structure s;
+    damped_loop d;
+    (void)state;
+    settings.follow = 1e-15;
+    settings.mix = 0;
+    single_mode(&s);
+    damped_loop_open(&d, &s, 1e-3, 100, 0, NULL, 0, &settings);
+    const double size = hypot(1 - kept * cos(angle), kept * sin(angle)) / (1 - kept);
+    const double lift = 3 * s.modal[0],
+                 hessian = lift * s.modal[0] + (double)d.problem.regularisation;
+    const double factor = settings.damping * angle / sqrt(size) * lift / hessian;
+    assert_int_equal(pzs_hold(d.loop.info.control, 0, 10), PZS_OK);
+    for (int k = 0; k < 10; k++)
+        (void)damped_loop_tick(&d, target);
+    assert_int_equal(pzs_release(d.loop.info.control, 0), PZS_OK);
+    double worst = 0, largest = 0, last = 0;
+    for (int k = 0; k < 100; k++) {
+        const double deviation = d.position[0] - s.modal[0] * d.output[0],
+                     before = (double)d.loop.info.voltage[0];
+        (void)damped_loop_tick(&d, target);
+        const double change = (double)d.loop.info.voltage[0] - before,
+                     law = factor * (deviation - kept * last) / (1 - kept);
+        worst = k > 0 ? fmax(worst, fabs(change - law)) : 0;
+        largest = fmax(largest, fabs(change));
+        last = deviation;
+    }
+    print_message("changes of the voltage up to %.2g V, %.2g V from the law\n", largest, worst);
+    assert_true(largest > 0.1 && worst < 32 * 100 * EPS * largest);
+    damped_loop_close(&d);
+    structure_close(&s);
+}
+
+/*
+ * Storms of the plate whose amplifiers are slower than its modes, and 30 % slower or faster than
+ * the damper believes. Returns the number that do not settle.
+ */
+static int slow_storms(const modal_structure *s, double slower, double *worst)
+{
+    static const double gain[] = {1, 0.8, 1.33}, frequency[] = {1, 0.9, 1.1};
+    const damper_settings settings = damper_default_settings();
+    int failed = 0;
+    *worst = 0;
+    for (int i = 0; i < 3; i++) {
+        damped_loop d;
+        const plant_error error = {gain[i], frequency[i], 1, i, 0, 0, 1e-4};
+        damped_loop_open(&d, s, 1e-3, 20, i, NULL, 0, &settings);
+        d.slower = slower;
+        const double end = loop_storm(&d, error, LOOP_SEED, 1200);
+        failed += !(end < 0.05);
+        *worst = fmax(*worst, end);
+        damped_loop_close(&d);
+    }
+    return failed;
+}
+
+/*
+ * Amplifiers with a corner below the first mode, 15 Hz, make the plate settle later by the time in
+ * which they follow to 5 %, log(20) = 3 time constants.
+ */
+static void slow_amplifiers_settle(void **state)
+{
+    static const double bandwidth[] = {5, 20, 10, 2}, slower[] = {0, 0.3, -0.3};
+    const damper_settings settings = damper_default_settings();
+    modal_structure s;
+    (void)state;
+    structure_of_plate(&s, 60);
+    for (int i = 0; i < SLOW_AMPLIFIERS; i++) {
+        s.bandwidth = bandwidth[i];
+        for (int k = 0; k < 3; k++) {
+            double worst;
+            const int failed = slow_storms(&s, slower[k], &worst);
+            print_message("amplifiers of %g Hz, %.0f %% slower: %d of 3 storms fail, worst %.3g\n",
+                          bandwidth[i], 100 * slower[k], failed, worst);
+            assert_int_equal(failed, 0);
+        }
+        const speed of = measure_speed(&s, &settings);
+        print_message("amplifiers of %g Hz: target step %d ticks, load step on the target %d "
+                      "ticks, to 5 %% of the load %d ticks; impulse %d ticks; offset %.1g; noise "
+                      "in the voltages %.4g of the limit\n",
+                      bandwidth[i], of.target_step, of.target_and_load, of.load_step, of.impulse,
+                      of.end, of.noise);
+        const int later = (int)(log(20) * 1000 / (2 * 3.14159265358979 * bandwidth[i]));
+        assert_in_range(of.target_step, 1, 92 + later);
+        assert_in_range(of.load_step, 1, 2 * loop_period(&s, 1e-3) + 5 + later);
+        assert_in_range(of.impulse, 1, 120 + later);
+    }
+    structure_close(&s);
+}
+
+/*
+ * A bit that flips between two ticks in what the damper keeps of the amplifiers' output, or in its
+ * copy, changes no bit of the voltages.
+ */
+static void flipped_output_is_repaired(void **state)
+{
+    const damper_settings settings = damper_default_settings();
+    modal_structure s;
+    damped_loop d;
+    (void)state;
+    small_plate(&s, 0.005);
+    s.bandwidth = 10;
+    damped_loop_open(&d, &s, 2e-3, 20, 0, NULL, 0, &settings);
+    pzs_real *voltage = calloc(200 * s.inputs, sizeof *voltage);
+    assert_non_null(voltage);
+    for (int run = 0; run < 2; run++) {
+        damped_loop_reset(&d, EXACT_PLANT);
+        const pzs_damper *damper = pzs_loop_find(&d.loop, &pzs_vibration_block);
+        const size_t bits = 2 * 8 * sizeof(pzs_real) * (PZS_FOURS(d.modes) + PZS_FOURS(d.sensors));
+        for (size_t k = 0; k < 200; k++) {
+            const size_t bit = k * 7919 % bits;
+            if (run == 1)
+                ((uint8_t *)damper->state.output)[bit / 8] ^= (uint8_t)(1u << bit % 8);
+            assert_false(PZS_IS_ERROR(damped_loop_tick(&d, s.goal)));
+            if (run == 0)
+                memcpy(voltage + k * s.inputs, d.loop.info.voltage, s.inputs * sizeof *voltage);
+            else
+                assert_memory_equal(voltage + k * s.inputs, d.loop.info.voltage,
+                                    s.inputs * sizeof *voltage);
+        }
+    }
+    free(voltage);
+    damped_loop_close(&d);
+    structure_close(&s);
+}
+
 #ifdef STORMS /* with check-long */
 /* Structures with near-equal modes, wide and narrow spectra, at rates of 3 to 110 ticks a period.
  */
@@ -849,6 +1078,7 @@ int main(void)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(damper_is_that_of_numpy),
+        cmocka_unit_test(lag_is_that_of_numpy),
         cmocka_unit_test(bad_tables_are_refused),
         cmocka_unit_test(exact_plant_is_known),
         cmocka_unit_test(damaged_tables_are_found),
@@ -859,6 +1089,9 @@ int main(void)
         cmocka_unit_test(few_sensors_settle),
         cmocka_unit_test(governor_follows_moving_targets),
         cmocka_unit_test(governor_keeps_no_exchange),
+        cmocka_unit_test(voltages_lead_the_deviation),
+        cmocka_unit_test(slow_amplifiers_settle),
+        cmocka_unit_test(flipped_output_is_repaired),
         cmocka_unit_test(plate_settles_fast),
         cmocka_unit_test(plate_settles_after_storms),
 #ifdef STORMS
