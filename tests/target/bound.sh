@@ -91,6 +91,9 @@ if tap_needs "$ARM_CC" 'bounds' && tap_needs "$QEMU" 'bounds'; then
         # shellcheck disable=SC2086
         loop 'late readings' plate-50-patches $limits --set 'control={rate: 900, clock: 168 MHz}' --set 'simulate={ticks: 100, sensors: {delay: 2}}'
         # shellcheck disable=SC2086
+        loop 'amplifiers that lag' plate-50-patches $limits --set 'control={rate: 850, clock: 168 MHz}' \
+            --set 'simulate={ticks: 100, amplifiers: {bandwidth: 10}}'
+        # shellcheck disable=SC2086
         loop 'hysteresis' plate-50-patches $limits --set 'control={rate: 500, clock: 168 MHz}' --set \
             'hysteresis={range: [-300, 300], slopes: [0.368547, 0.426044, 0.437888, 0.503396], slack: [19.091, 47.0075, 79.6316, 115.746, 154.699, 196.076, 239.583, 285], above: [0.082997, 0.18585, 0.337765, 0.194578, 0.0411033, 0.0167373, 0.00482822, 0.0381532], below: [0.0661642, 0.149027, 0.290258, 0.153003, 0.00975122, 0, 0, 0.0376249], offset: -2.96617, creep_time: [0.1, 1, 10], creep: [0.0340785, 0.00622968, 0.136663]}'
         # shellcheck disable=SC2086
