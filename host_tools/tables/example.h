@@ -8,7 +8,7 @@
 
 #include "pzs.h"
 
-#if PZS_TABLE_FORMAT != 5
+#if PZS_TABLE_FORMAT != 6
 #error "these tables are of another format than the library reads: run this library's `pzs tables` again"
 #endif
 /* A program that needs one precision defines EXAMPLE_REAL_BITS as 32 or 64 before it includes the tables. */
@@ -63,7 +63,7 @@ static const pzs_real example_reference_voltage[4] = {
 };
 /* voltage optimisation problem: least squares for the voltages within their limits; its member work_limit is the largest work of the optimiser in a tick (multiply-adds; 0: default) */
 static const pzs_problem example_problem = {
-    5u, 0x0658c6c6u, PZS_BY_BITS(0x1111b1aau, 0x9b042519u), 4, 9,
+    6u, 0x0658c6c6u, PZS_BY_BITS(0x1111b1aau, 0x9b042519u), 4, 9,
     example_influence, example_hessian, example_weight, example_lower, example_upper, example_step_limit, example_reference_voltage, PZS_R(0),
     0u /* work_limit */, NULL, PZS_DUAL_METHOD(4), NULL,
 };
