@@ -390,7 +390,12 @@ static pzs_status board_tick(void *self, pzs_loop_signals *signals)
     const int status = run_board_tick(loop, loop->message);
     (void)self;
     loop->is_silent = status < 0;
-    return status < 0 ? PZS_E_STAGE : (pzs_status)status;
+    if (loop->is_silent)
+        return PZS_E_STAGE;
+    memcpy(signals->control->state.voltage, loop->command,
+           (size_t)loop->design->amplifiers * sizeof *loop->command);
+    pzs_control_moved(signals->control);
+    return (pzs_status)status;
 }
 
 static const pzs_block_type board_block = {"board",  PZS_PHASE_STEP, law_bytes,
@@ -484,18 +489,6 @@ static void count_detections(loop *loop, int tick)
 }
 
 /*
- * Copy the voltages that the firmware on the board has computed into the control state of the
- * library on the host.
- */
-static void copy_board_voltages(loop *loop)
-{
-    pzs_control *control = loop->controller.info.control;
-    memcpy(control->state.voltage, loop->command,
-           (size_t)loop->design->amplifiers * sizeof *loop->command);
-    pzs_control_moved(control);
-}
-
-/*
  * Copy the results of the step block, the stage of a tick that computes the voltages, into the
  * simulated loop: voltages, iterations of the optimiser and electrode states.
  */
@@ -540,8 +533,6 @@ static void report_missed_ticks(loop *loop)
 
 static int run_controller(loop *loop, int tick, char *error)
 {
-    if (loop->board.board)
-        copy_board_voltages(loop);
     report_missed_ticks(loop);
     if (loop->simulation->feeds) {
         loop->load_when_read = sense_known_loads(loop, tick);
