@@ -1,8 +1,16 @@
 /* SPDX-License-Identifier: BSD-2-Clause */
-/* Products and inverses of small dense matrices (dense.h). */
+/* Products and inverses of small dense matrices and vectors (dense.h). */
 #include "dense.h"
 #include <math.h>
 #include <string.h>
+
+double dense_dot(const double *x, const double *y, size_t count)
+{
+    double sum = 0;
+    for (size_t i = 0; i < count; i++)
+        sum += x[i] * y[i];
+    return sum;
+}
 
 void dense_multiply(double *out, const double *a, const double *b, size_t order, bool transposed)
 {

@@ -1,10 +1,13 @@
 /* SPDX-License-Identifier: BSD-2-Clause */
-/* Products and inverses of small dense matrices. */
+/* Products and inverses of small dense matrices and vectors. */
 #ifndef DENSE_H
 #define DENSE_H
 
 #include <stdbool.h>
 #include <stddef.h>
+
+/* Return the scalar product of two vectors [count]. */
+double dense_dot(const double *x, const double *y, size_t count);
 
 /*
  * Multiply two matrices: out = a b, or the transpose of a times b if `transposed` is true.

@@ -14,6 +14,7 @@
 #include <stdlib.h>
 #include <string.h>
 #include "cholesky.h"
+#include "dense.h"
 #include "design.h"
 #include "../../lib/modes/eigen.h"
 #include "eigen.h"
@@ -88,14 +89,6 @@ static void multiply(const builder *builder, const double *voltage, double *prod
         for (size_t k = 0; k < n; k++)
             product[j] += builder->hessian[j * n + k] * voltage[k];
     }
-}
-
-static double dot(const double *left, const double *right, size_t count)
-{
-    double sum = 0;
-    for (size_t i = 0; i < count; i++)
-        sum += left[i] * right[i];
-    return sum;
 }
 
 /* ---- singular vectors ------------------------------------------------------ */
@@ -216,15 +209,15 @@ static double orthonormalise(builder *builder, size_t mode)
     const size_t n = builder->moving;
     double *pattern = builder->pattern + mode * n, *effect = builder->effect + mode * n;
     multiply(builder, pattern, effect);
-    const double before = sqrt(fmax(dot(pattern, effect, n), 0));
+    const double before = sqrt(fmax(dense_dot(pattern, effect, n), 0));
     for (int again = 0; again < 2; again++)
         for (size_t other = 0; other < mode; other++) {
-            const double part = dot(builder->effect + other * n, pattern, n);
+            const double part = dense_dot(builder->effect + other * n, pattern, n);
             for (size_t k = 0; k < n; k++)
                 pattern[k] -= part * builder->pattern[other * n + k];
         }
     multiply(builder, pattern, effect);
-    const double after = sqrt(fmax(dot(pattern, effect, n), 0));
+    const double after = sqrt(fmax(dense_dot(pattern, effect, n), 0));
     for (size_t k = 0; k < n && after > 0; k++) {
         pattern[k] /= after;
         effect[k] /= after;

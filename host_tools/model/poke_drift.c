@@ -8,6 +8,7 @@
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
+#include "dense.h"
 #include "poke_reduction.h"
 
 /*
@@ -73,14 +74,6 @@ static void fill_regressors(const pokes *pokes, double *regressor)
     }
 }
 
-static double product(const double *x, const double *y, size_t count)
-{
-    double sum = 0;
-    for (size_t i = 0; i < count; i++)
-        sum += x[i] * y[i];
-    return sum;
-}
-
 /*
  * Compute the orthonormal vectors of the two trends, constant and linear drift, by Gram-Schmidt
  * orthogonalisation. A trend that the voltages or the other trend explain up to rounding errors
@@ -93,10 +86,10 @@ static void fill_trends(estimate *e, const poke_reduction *reduction, size_t pok
         double *trend = e->trend + k * e->rows;
         for (size_t row = 0; row < e->rows; row++)
             trend[row] = reduction->extra[row * extras + k];
-        const double mixed = k == 1 ? product(e->trend, trend, e->rows) : 0;
+        const double mixed = k == 1 ? dense_dot(e->trend, trend, e->rows) : 0;
         for (size_t row = 0; row < e->rows && k == 1; row++)
             trend[row] -= mixed * e->trend[row];
-        const double norm = sqrt(product(trend, trend, e->rows));
+        const double norm = sqrt(dense_dot(trend, trend, e->rows));
         const bool counts = norm > sqrt(DBL_EPSILON) * size[k];
         for (size_t row = 0; row < e->rows; row++)
             trend[row] = counts ? trend[row] / norm : 0;
@@ -147,8 +140,8 @@ static void fill_before(estimate *e, const poke_reduction *reduction, const doub
     const size_t actuators = reduction->pokes.actuators, extras = TRENDS + actuators;
     for (size_t row = 0; row < e->rows; row++)
         for (size_t i = 0; i < e->outputs; i++)
-            e->before[row * e->outputs + i] = product(reduction->extra + row * extras + TRENDS,
-                                                      influence + i * actuators, actuators);
+            e->before[row * e->outputs + i] = dense_dot(reduction->extra + row * extras + TRENDS,
+                                                        influence + i * actuators, actuators);
 }
 
 /*
@@ -160,9 +153,9 @@ static void fill_before(estimate *e, const poke_reduction *reduction, const doub
 static void solve(poke_drift *drift, const estimate *e, double size)
 {
     const size_t entries = e->rows * e->outputs;
-    const double square = product(e->before, e->before, entries);
+    const double square = dense_dot(e->before, e->before, entries);
     const bool is_known = square > DBL_EPSILON * size;
-    const double memory = is_known ? product(e->before, e->rest, entries) / square : 0;
+    const double memory = is_known ? dense_dot(e->before, e->rest, entries) / square : 0;
     double noise = 0, along = 0;
     for (size_t i = 0; i < entries; i++)
         noise += pow(e->rest[i] - memory * e->before[i], 2);
@@ -181,7 +174,7 @@ static void solve(poke_drift *drift, const estimate *e, double size)
     const double expected = (double)(drift->trends * e->outputs);
     drift->drifts = along > noise * (expected + POKE_DRIFT_SIGMAS * sqrt(2 * expected));
     if (e->scale[1] > 0) {
-        drift->drift = sqrt(product(drift->slope, drift->slope, e->outputs) / (double)e->outputs);
+        drift->drift = sqrt(dense_dot(drift->slope, drift->slope, e->outputs) / (double)e->outputs);
         drift->drift_error = sqrt(noise) / e->scale[1];
     }
     if (is_known) {

@@ -5,6 +5,7 @@
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
+#include "dense.h"
 
 /* Functions of time that are fitted beside the voltages: a constant and a linear drift. */
 enum { TRENDS = 2 };
@@ -42,21 +43,13 @@ static int fit_open(fit *fit, const pokes *pokes)
     return fit->basis ? 0 : -1;
 }
 
-static double product(const double *x, const double *y, size_t count)
-{
-    double sum = 0;
-    for (size_t i = 0; i < count; i++)
-        sum += x[i] * y[i];
-    return sum;
-}
-
 /* Remove the parts of a vector [count] along the basis, twice because of rounding. */
 static void make_orthogonal(const fit *fit, double *vector)
 {
     const size_t count = fit->pokes->count;
     for (int repeat = 0; repeat < 2; repeat++)
         for (size_t k = 0; k < fit->vectors; k++) {
-            const double *base = fit->basis + k * count, part = product(base, vector, count);
+            const double *base = fit->basis + k * count, part = dense_dot(base, vector, count);
             for (size_t i = 0; i < count; i++)
                 vector[i] -= part * base[i];
         }
@@ -67,9 +60,9 @@ static void add_regressor(fit *fit)
 {
     const size_t count = fit->pokes->count;
     double *vector = fit->basis + fit->vectors * count;
-    const double before = sqrt(product(vector, vector, count));
+    const double before = sqrt(dense_dot(vector, vector, count));
     make_orthogonal(fit, vector);
-    const double size = sqrt(product(vector, vector, count));
+    const double size = sqrt(dense_dot(vector, vector, count));
     if (!(size > distinct * before))
         return;
     for (size_t i = 0; i < count; i++)
@@ -131,7 +124,7 @@ static void test_residuals(const fit *fit, size_t output, poke_outliers *found)
         worst = square > most ? i : worst;
         most = fmax(most, square);
     }
-    const double others = fmax(product(fit->residual, fit->residual, pokes->count) - most, 0),
+    const double others = fmax(dense_dot(fit->residual, fit->residual, pokes->count) - most, 0),
                  scatter = others / left + pow(rounding * largest, 2), square = most / scatter;
     const double readings = (double)(pokes->count * pokes->outputs);
     if (left / 2 * log1p(square / left) > log(readings / chance))
@@ -144,7 +137,7 @@ static void test_residuals(const fit *fit, size_t output, poke_outliers *found)
 static double strength(const pokes *pokes, size_t poke)
 {
     const double *voltage = pokes->voltage + poke * pokes->actuators;
-    const double size = sqrt(product(voltage, voltage, pokes->actuators));
+    const double size = sqrt(dense_dot(voltage, voltage, pokes->actuators));
     return size > 0 ? size : HUGE_VAL;
 }
 

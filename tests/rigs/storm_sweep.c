@@ -16,33 +16,10 @@
 #include "../../host_tools/simulate/storm.h"
 #include "../../lib/control/control.h"
 #include "scene_run.h"
+#include "storm_structures.h"
 
-#define LINEAR                                                                                     \
-    "kinematics=linear;simulate.influence=undeformed;simulate.plant.kinematics=linear;"            \
-    "simulate.sensors.noise=0;simulate.amplifiers.step=0;simulate.events=[];"
-#define MIRROR                                                                                     \
-    "dynamics={damping: 0.01};limits={voltage: [-50, 50], step_limit: 3.3};simulate={ticks: 10};"
-#define RIGS "tests/rigs/scenes/"
-
-/* Structures, with a tick rate each. */
-static const struct structure {
-    const char *name, *scene, *changes;
-    bool is_quick; /* part of the short run */
-} structures[] = {
-    {"plate, 15 Hz, 1 kHz", "plate-closed-loop", LINEAR, false},
-    {"near-equal modes, 41 Hz, 1 kHz", RIGS "storm-twins.yaml", "", true},
-    {"panel, 54 and 63 Hz, 500 Hz", RIGS "storm-panel.yaml", "control.rate=500", false},
-    {"panel, 1 kHz", RIGS "storm-panel.yaml", "", true},
-    {"panel, 2 kHz", RIGS "storm-panel.yaml", "control.rate=2000", false},
-    {"panel, 5 kHz", RIGS "storm-panel.yaml", "control.rate=5000", false},
-    {"mirror, 1.6 kHz, 2 kHz", "mirror", MIRROR "control={rate: 2000}", false},
-    {"mirror, 5 kHz", "mirror", MIRROR "control={rate: 5000}", false},
-    {"mirror, 10 kHz", "mirror", MIRROR "control={rate: 10000}", false},
-    {"mirror, 20 kHz", "mirror", MIRROR "control={rate: 20000}", false},
-    {"soft plate, 0.5 Hz, 100 Hz", "plate-closed-loop",
-     LINEAR "materials.AS4/3501.density=1440000;materials.G1195.density=6840000;control.rate=100;"
-            "limits={voltage: [-300, 300], step_limit: 20}",
-     false},
+static const storm_structure structures[] = {
+    STORM_STRUCTURES(false, true),
 };
 enum { STRUCTURES = sizeof structures / sizeof *structures };
 
@@ -250,7 +227,7 @@ static int try_law(storm_rig *rig, analysis *analysis, law_kind kind, const swee
 }
 
 /* Storms of all laws of a sweep on one structure. */
-static int try_structure(const struct structure *s, const sweep *sweep, tally t[LAWS_TRIED])
+static int try_structure(const storm_structure *s, const sweep *sweep, tally t[LAWS_TRIED])
 {
     scene_run run;
     storm_rig rig;

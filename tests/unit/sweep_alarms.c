@@ -29,35 +29,12 @@
 #include "../../host_tools/simulate/random.h"
 #include "../../host_tools/tables/loop_blocks.h"
 #include "../rigs/scene_run.h"
+#include "../rigs/storm_structures.h"
 
 enum { PLAYS = 4, MODES = 40, HISTORY = 16, RUNS_MOST = 1000 };
 
-#define LINEAR                                                                                     \
-    "kinematics=linear;simulate.influence=undeformed;simulate.plant.kinematics=linear;"            \
-    "simulate.sensors.noise=0;simulate.amplifiers.step=0;simulate.events=[];"
-#define MIRROR                                                                                     \
-    "dynamics={damping: 0.01};limits={voltage: [-50, 50], step_limit: 3.3};simulate={ticks: 10};"
-#define RIGS "tests/rigs/scenes/"
-
-/* Structures, with a tick rate each. */
-static const struct structure {
-    const char *name, *scene, *changes;
-    bool is_quick; /* part of the short run */
-} structures[] = {
-    {"plate, 15 Hz, 1 kHz", "plate-closed-loop", LINEAR, true},
-    {"near-equal modes, 41 Hz, 1 kHz", RIGS "storm-twins.yaml", "", false},
-    {"panel, 54 and 63 Hz, 500 Hz", RIGS "storm-panel.yaml", "control.rate=500", false},
-    {"panel, 1 kHz", RIGS "storm-panel.yaml", "", true},
-    {"panel, 2 kHz", RIGS "storm-panel.yaml", "control.rate=2000", false},
-    {"panel, 5 kHz", RIGS "storm-panel.yaml", "control.rate=5000", false},
-    {"mirror, 1.6 kHz, 2 kHz", "mirror", MIRROR "control={rate: 2000}", false},
-    {"mirror, 5 kHz", "mirror", MIRROR "control={rate: 5000}", false},
-    {"mirror, 10 kHz", "mirror", MIRROR "control={rate: 10000}", false},
-    {"mirror, 20 kHz", "mirror", MIRROR "control={rate: 20000}", false},
-    {"soft plate, 0.5 Hz, 100 Hz", "plate-closed-loop",
-     LINEAR "materials.AS4/3501.density=1440000;materials.G1195.density=6840000;control.rate=100;"
-            "limits={voltage: [-300, 300], step_limit: 20}",
-     false},
+static const storm_structure structures[] = {
+    STORM_STRUCTURES(true, false),
     {"few sensors", "plate-few-sensors", LINEAR "control={rate: 1000}", false},
     {"springs, free functions", RIGS "storm-springs.yaml", "control={rate: 800}", false},
     {"twisted strip", RIGS "storm-twisted.yaml", "", false},
@@ -88,7 +65,7 @@ typedef struct idle_count {
 } idle_count;
 
 typedef struct rig {
-    const struct structure *structure;
+    const storm_structure *structure;
     scene_run run;
     estimator estimator;
     damper damper;
@@ -164,7 +141,7 @@ static double reachable(const rig *r)
     return sqrt(sum);
 }
 
-static int open_rig(rig *r, const struct structure *structure)
+static int open_rig(rig *r, const storm_structure *structure)
 {
     double too_small;
     memset(r, 0, sizeof *r);
@@ -646,7 +623,7 @@ static void print_idle(const rig *r)
  * Run all rows of the table on one structure. Returns the number of alarms not allowed; a loop that
  * observes no mode is only shown.
  */
-static int run_structure(const struct structure *structure, int runs)
+static int run_structure(const storm_structure *structure, int runs)
 {
     static rig r;
     int bad = 0;

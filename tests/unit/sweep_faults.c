@@ -83,6 +83,14 @@ typedef struct tally {
     long ticks, tests, held, alarms;
 } tally;
 
+/* Add a run of healthy electrodes, whose ticks are counted already. */
+static void add_run(tally *tally, const fault_rig *rig)
+{
+    tally->held += fault_rig_detector(rig)->info.found;
+    tally->tests += fault_rig_detector(rig)->info.tests;
+    tally->alarms += fault_rig_is_stopped(rig);
+}
+
 /*
  * Return a duration that is given for a test pulse of 213 ticks, in ticks of this structure, with
  * its shorter or longer pulses.
@@ -102,9 +110,7 @@ static tally run_healthy(fault_rig *rig, int ticks, int every, double hysteresis
             (void)fault_rig_tick(rig);
             fault_rig_release(rig);
         }
-        tally.held += fault_rig_detector(rig)->info.found;
-        tally.tests += fault_rig_detector(rig)->info.tests;
-        tally.alarms += fault_rig_is_stopped(rig);
+        add_run(&tally, rig);
     }
     return tally;
 }
@@ -185,9 +191,7 @@ static tally run_loads(fault_rig *rig, int ticks, double hysteresis)
             (void)fault_rig_tick(rig);
             fault_rig_release(rig);
         }
-        tally.held += fault_rig_detector(rig)->info.found;
-        tally.tests += fault_rig_detector(rig)->info.tests;
-        tally.alarms += fault_rig_is_stopped(rig);
+        add_run(&tally, rig);
     }
     return tally;
 }
@@ -287,9 +291,7 @@ static tally run_timed_loads(fault_rig *rig, course course, int ticks, double hy
             (void)fault_rig_tick(rig);
             fault_rig_release(rig);
         }
-        tally.held += fault_rig_detector(rig)->info.found;
-        tally.tests += fault_rig_detector(rig)->info.tests;
-        tally.alarms += fault_rig_is_stopped(rig);
+        add_run(&tally, rig);
     }
     return tally;
 }
