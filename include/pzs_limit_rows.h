@@ -1,6 +1,8 @@
 /*
  * Limits of weighted sums of voltages, which the controller (pzs_control.h) obeys beside the limits
- * of each voltage. pzs_control.h includes this header. SPDX-License-Identifier: BSD-2-Clause
+ * of each voltage. pzs_control.h includes this header.
+ *
+ * SPDX-License-Identifier: BSD-2-Clause
  */
 #ifndef PZS_LIMIT_ROWS_H
 #define PZS_LIMIT_ROWS_H

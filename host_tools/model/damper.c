@@ -8,7 +8,6 @@
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
-#include "../../lib/control/vibration.h"
 #include "../../lib/model/model.h"
 #include "mass.h"
 #include "modal.h"

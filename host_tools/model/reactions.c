@@ -49,7 +49,8 @@ static double *dof_vector(const all_dof *all, int k)
 
 /* ---- numbers for all dof --------------------------------------------------- */
 
-bool reactions_fit(const design *design)
+/* Whether the dof of all nodes, with the constrained ones, can be numbered in 16 bits. */
+static bool are_numbered(const design *design)
 {
     return (size_t)design->mesh.nodes * design->mesh.dof_per_node < PZS_CONSTRAINED;
 }
@@ -552,7 +553,7 @@ int reactions_compute(reactions *reactions, const reaction_state *state)
     all_dof all;
     double internal = 0;
     memset(reactions, 0, sizeof *reactions);
-    if (!reactions_fit(state->design))
+    if (!are_numbered(state->design))
         return 0;
     int status = open_all(&all, state, &internal);
     if (status == 0)

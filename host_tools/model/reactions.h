@@ -59,15 +59,9 @@ typedef struct reaction_state {
 } reaction_state;
 
 /*
- * Return whether reactions can be computed: the dof of all nodes, with the constrained ones, must
- * be numbered in 16 bits.
- */
-bool reactions_fit(const design *design);
-
-/*
- * Compute the reactions of a solved structure. The result is empty if there are too many dof
- * (reactions_fit). The names of supports in the result belong to the scene. Returns 0, or -1 where
- * memory runs out.
+ * Compute the reactions of a solved structure. The result is empty if the dof of all nodes, with
+ * the constrained ones, cannot be numbered in 16 bits. The names of supports in the result belong
+ * to the scene. Returns 0, or -1 where memory runs out.
  */
 int reactions_compute(reactions *reactions, const reaction_state *state);
 

@@ -89,7 +89,12 @@ static void line_axes(const mesh *mesh, int element, double axis[3][3])
     vector_cross(axis[2], axis[0], axis[1]);
 }
 
-void stress_axes(const mesh *mesh, int element, double place[3], double axis[3][3])
+/*
+ * Compute the centre of an element, which is the mean of its corners, and its shell axes.
+ *   place [3]    out  centre of the element
+ *   axis  [3][3] out  unit vectors of the shell axes 1, 2 and 3 as rows
+ */
+static void find_axes(const mesh *mesh, int element, double place[3], double axis[3][3])
 {
     for (int i = 0; i < 3; i++) {
         place[i] = 0;
@@ -324,7 +329,7 @@ static void fill_element(const stress_field *field, int element)
     const mesh *mesh = &field->state.design->mesh;
     stress_element *own = &field->element[element];
     double local[SHELL_MAX];
-    stress_axes(mesh, element, own->place, own->axis);
+    find_axes(mesh, element, own->place, own->axis);
     gather(mesh, element, field->state.displacement, local);
     strain_of_element(mesh, element, local, field->state.is_nonlinear, own->strain);
     add_temperatures(&field->state, own->temperature);

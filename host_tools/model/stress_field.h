@@ -203,11 +203,4 @@ bool stress_are_neighbours(const stress_field *field, int first, int second);
 enum { STRESS_NEIGHBOURS = 64 };
 int stress_neighbours(const stress_field *field, int element, int list[STRESS_NEIGHBOURS]);
 
-/*
- * Compute the centre of an element, which is the mean of its corners, and its shell axes.
- *   place [3]    out  centre of the element
- *   axis  [3][3] out  unit vectors of the shell axes 1, 2 and 3 as rows
- */
-void stress_axes(const mesh *mesh, int element, double place[3], double axis[3][3]);
-
 #endif

@@ -26,7 +26,13 @@ double stress_reserve(const scene_strength *strength, const double stress[STRESS
     return 1 / sqrt(first * first - first * stress[1] / limit[0] + second * second + shear * shear);
 }
 
-double stress_field_reserve(const design *design, int layer, double field)
+/*
+ * Return the reserve factor of a layer against depolarisation: depolarisation field of its material
+ * over the electric field. It is infinite for a field not against the poling, and for a material
+ * without a depolarisation field.
+ *   field in  electric field along the poling axis e3 (V/m)
+ */
+static double field_reserve(const design *design, int layer, double field)
 {
     const double limit = design->material[design->layer[layer].material].field_limit;
     const scene_layer *own = &design->layer[layer];
@@ -114,7 +120,7 @@ static void add_layer(const stress_field *field, int element, int layer, stress_
             keep(&summary->reserve[layer], -1, reserve, place);
     }
     const stress_extreme middle = {0, element, layer, 1};
-    const double reserve = stress_field_reserve(design, layer, result.field);
+    const double reserve = field_reserve(design, layer, result.field);
     keep_larger(&summary->field[layer], result.field, middle);
     if (isfinite(reserve))
         keep(&summary->field_reserve[layer], -1, reserve, middle);

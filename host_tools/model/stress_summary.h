@@ -62,14 +62,6 @@ double stress_mises(const double stress[STRESS_COMPONENTS]);
 double stress_reserve(const scene_strength *strength, const double stress[STRESS_COMPONENTS]);
 
 /*
- * Return the reserve factor of a layer against depolarisation: depolarisation field of its material
- * over the electric field. It is infinite for a field not against the poling, and for a material
- * without a depolarisation field.
- *   field in  electric field along the poling axis e3 (V/m)
- */
-double stress_field_reserve(const design *design, int layer, double field);
-
-/*
  * Compute how far each element is loaded, for the picture in a report: 1 over the smallest reserve
  * factor of its layers if a material of the scene has strengths, otherwise the largest von Mises
  * stress.

@@ -148,13 +148,37 @@ void outline_cell_of(const scene *scene, outline_plane plane, int element, outli
     finish(cell, plane);
 }
 
+static void corner_weights(const double natural[2], double weight[4])
+{
+    static const double sign[4][2] = {{-1, -1}, {1, -1}, {1, 1}, {-1, 1}};
+    for (int corner = 0; corner < 4; corner++)
+        weight[corner] =
+            (1 + sign[corner][0] * natural[0]) * (1 + sign[corner][1] * natural[1]) / 4;
+}
+
+/*
+ * Interpolate the coordinates of the corners of a cell (element or part of one) at a point.
+ *   natural [2]        in  natural coordinates of the point
+ *   at [OUTLINE_AXES]  out  coordinates of the point
+ */
+static void interpolate(const outline_cell *cell, const double natural[2], double at[OUTLINE_AXES])
+{
+    double weight[4];
+    corner_weights(natural, weight);
+    for (int i = 0; i < OUTLINE_AXES; i++) {
+        at[i] = 0;
+        for (int corner = 0; corner < 4; corner++)
+            at[i] += weight[corner] * cell->at[corner][i];
+    }
+}
+
 void outline_cell_part(const outline_cell *whole, outline_plane plane, const double low[2],
                        const double high[2], outline_cell *part)
 {
     const double corner[4][2] = {
         {low[0], low[1]}, {high[0], low[1]}, {high[0], high[1]}, {low[0], high[1]}};
     for (int i = 0; i < 4; i++)
-        outline_cell_at(whole, corner[i], part->at[i]);
+        interpolate(whole, corner[i], part->at[i]);
     finish(part, plane);
 }
 
@@ -189,29 +213,10 @@ bool outline_cell_move(const scene *scene, outline_plane plane, int k, double sh
  * Compute the bilinear weights of the four corners of a cell (element or part of one) at a point in
  * natural coordinates.
  */
-static void corner_weights(const double natural[2], double weight[4])
-{
-    static const double sign[4][2] = {{-1, -1}, {1, -1}, {1, 1}, {-1, 1}};
-    for (int corner = 0; corner < 4; corner++)
-        weight[corner] =
-            (1 + sign[corner][0] * natural[0]) * (1 + sign[corner][1] * natural[1]) / 4;
-}
-
-void outline_cell_at(const outline_cell *cell, const double natural[2], double at[OUTLINE_AXES])
-{
-    double weight[4];
-    corner_weights(natural, weight);
-    for (int i = 0; i < OUTLINE_AXES; i++) {
-        at[i] = 0;
-        for (int corner = 0; corner < 4; corner++)
-            at[i] += weight[corner] * cell->at[corner][i];
-    }
-}
-
 expr_point outline_cell_point(const scene *scene, const outline_cell *cell, const double natural[2])
 {
     double at[OUTLINE_AXES];
-    outline_cell_at(cell, natural, at);
+    interpolate(cell, natural, at);
     if (!scene->quads) {
         const surface_point point = surface_at(&scene->surface, at[3], at[4]);
         memcpy(at, point.position, sizeof point.position);
@@ -231,8 +236,8 @@ static void derivative(const outline_cell *cell, const double natural[2], int di
     double from[OUTLINE_AXES], to[OUTLINE_AXES];
     low[direction] = -1;
     high[direction] = 1;
-    outline_cell_at(cell, low, from);
-    outline_cell_at(cell, high, to);
+    interpolate(cell, low, from);
+    interpolate(cell, high, to);
     for (int i = 0; i < OUTLINE_AXES; i++)
         slope[i] = (to[i] - from[i]) / 2;
 }
@@ -252,7 +257,7 @@ void outline_cell_natural(const outline_cell *cell, outline_plane plane, const d
     for (int k = 0; k < ITERATIONS; k++) {
         const double before[2] = {natural[0], natural[1]};
         double at[OUTLINE_AXES], along[OUTLINE_AXES], across[OUTLINE_AXES];
-        outline_cell_at(cell, natural, at);
+        interpolate(cell, natural, at);
         derivative(cell, natural, 0, along);
         derivative(cell, natural, 1, across);
         const double gap[2] = {point[0] - at[axis[0]], point[1] - at[axis[1]]};

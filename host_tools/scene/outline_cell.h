@@ -79,13 +79,6 @@ bool outline_cell_move(const scene *scene, outline_plane plane, int k, double sh
 void outline_cell_shift(outline_cell *cell, const double shift[2]);
 
 /*
- * Interpolate the coordinates of the corners of a cell (element or part of one) at a point.
- *   natural [2]        in  natural coordinates of the point
- *   at [OUTLINE_AXES]  out  coordinates of the point
- */
-void outline_cell_at(const outline_cell *cell, const double natural[2], double at[OUTLINE_AXES]);
-
-/*
  * Return the coordinates at a point of a cell (element or part of one) as the variables of a
  * formula. natural [2] in. Where the scene has a surface, the point lies exactly on the surface.
  */

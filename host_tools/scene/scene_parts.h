@@ -276,7 +276,7 @@ field_read read_simulate;
 field_read read_edge, read_point, read_at, read_face;
 int require_place(reader *reader, int node, const scene_where *where);
 extern const form direction_form, stacks_form;
-extern const form edge_form, point_form, node_form, at_form, face_form, place_form, mesh_file_form,
+extern const form edge_form, node_form, at_form, face_form, place_form, mesh_file_form,
     mesh_disc_form, mesh_panel_form;
 extern const choice place_axes[], place_faces[], place_pers[];
 extern const int place_components[];

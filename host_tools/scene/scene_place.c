@@ -56,7 +56,7 @@ static const field point_fields[] = {
      .help = "Coordinate theta2 of a node."},
     {.key = NULL}};
 
-const form point_form = {.type = FORM_MAP, .fields = point_fields};
+static const form point_form = {.type = FORM_MAP, .fields = point_fields};
 
 static const field set_fields[] = {
     {"set", read_set, .required = 1, .form = &name_form, .help = "Name of a set of the mesh file."},

@@ -32,11 +32,6 @@ int loop_feeds(const design *design)
     return design->simulate.has_feed_forward;
 }
 
-int loop_quantises(const design *design)
-{
-    return design->simulate.step > 0 || design->simulate.dead_band > 0;
-}
-
 bool loop_supervises(const design *design, bool is_damped)
 {
     return design->safety.given || (is_damped && !design->safety.left_out);
@@ -125,7 +120,7 @@ static bool has_curves(const loop_blocks *blocks)
 
 static bool has_amplifier(const loop_blocks *blocks)
 {
-    return loop_quantises(blocks->design);
+    return blocks->design->simulate.step > 0 || blocks->design->simulate.dead_band > 0;
 }
 
 static bool has_detector(const loop_blocks *blocks)

@@ -75,12 +75,10 @@ typedef struct loop_parts {
 
 /*
  * Whether the controller of a scene estimates the shape from the readings of sensors
- * (loop_estimates), compensates known loads by feed-forward (loop_feeds), and has amplifiers with a
- * voltage resolution or a dead band (loop_quantises).
+ * (loop_estimates), and compensates known loads by feed-forward (loop_feeds).
  */
 int loop_estimates(const design *design);
 int loop_feeds(const design *design);
-int loop_quantises(const design *design);
 
 /*
  * Return whether the control loop of a scene has a supervisor: where the scene asks for it by the

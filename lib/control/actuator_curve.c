@@ -33,7 +33,7 @@ static uint32_t list_parts(const pzs_actuator_curves *tables, pzs_table_part par
     return 4;
 }
 
-uint32_t pzs_actuator_curve_crc(const pzs_actuator_curves *tables)
+static uint32_t checksum(const pzs_actuator_curves *tables)
 {
     pzs_table_part part[PZS_TABLE_PARTS];
     return pzs_scrub_crc(part, list_parts(tables, part));
@@ -51,7 +51,7 @@ pzs_status pzs_actuator_curves_seal(pzs_actuator_curves *tables)
     if (tables == NULL || !are_complete(tables))
         return PZS_E_ARGUMENT;
     tables->format = PZS_TABLE_FORMAT;
-    tables->crc = pzs_actuator_curve_crc(tables);
+    tables->crc = checksum(tables);
     return PZS_OK;
 }
 
@@ -234,7 +234,7 @@ static pzs_status check(const pzs_actuator_curves *tables, const pzs_problem *pr
      */
     if (!are_complete(tables) || tables->inputs != problem->inputs || problem->limit_rows != NULL)
         return PZS_E_ARGUMENT;
-    if (pzs_actuator_curve_crc(tables) != tables->crc)
+    if (checksum(tables) != tables->crc)
         return PZS_E_CRC;
     return check_curves(tables, problem, where);
 }

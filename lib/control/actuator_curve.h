@@ -9,12 +9,6 @@
 #include "pzs_loop.h"
 
 /*
- * Return the checksum of the counts and arrays of actuator curves, which their member crc must
- * equal.
- */
-uint32_t pzs_actuator_curve_crc(const pzs_actuator_curves *tables);
-
-/*
  * Return the effect of a voltage (V) on the actuator of an input, from the actuator's curve; the
  * displacement is proportional to the effect. Outside the curve this is the effect at the nearer
  * end; for NaN, that at the lower end.

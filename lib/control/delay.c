@@ -26,7 +26,7 @@ static uint32_t list_parts(const pzs_reading_delay *tables, pzs_table_part part[
     return 2;
 }
 
-uint32_t pzs_reading_delay_crc(const pzs_reading_delay *tables)
+static uint32_t checksum(const pzs_reading_delay *tables)
 {
     pzs_table_part part[PZS_TABLE_PARTS];
     return pzs_scrub_crc(part, list_parts(tables, part));
@@ -37,7 +37,7 @@ pzs_status pzs_reading_delay_seal(pzs_reading_delay *tables)
     if (tables == NULL || tables->inputs == 0 || tables->sensors == 0)
         return PZS_E_ARGUMENT;
     tables->format = PZS_TABLE_FORMAT;
-    tables->crc = pzs_reading_delay_crc(tables);
+    tables->crc = checksum(tables);
     return PZS_OK;
 }
 
@@ -50,7 +50,7 @@ static pzs_status check(const pzs_reading_delay *tables, const pzs_problem *prob
                       tables->delay <= PZS_DELAY_LIMIT;
     if (!fits || (tables->direct == NULL && sensors != problem->outputs))
         return PZS_E_ARGUMENT;
-    if (pzs_reading_delay_crc(tables) != tables->crc)
+    if (checksum(tables) != tables->crc)
         return PZS_E_CRC;
     const uint32_t count = (uint32_t)tables->sensors * tables->inputs;
     const bool is_finite = tables->direct == NULL || pzs_guard_nonfinite(tables->direct, count) < 0;

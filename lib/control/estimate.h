@@ -11,6 +11,5 @@
  */
 uint32_t pzs_estimate_crc(const pzs_estimator *tables);
 uint32_t pzs_estimate_known_crc(const pzs_feed_forward_table *tables);
-uint32_t pzs_reading_delay_crc(const pzs_reading_delay *tables);
 
 #endif

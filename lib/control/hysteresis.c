@@ -55,7 +55,7 @@ static uint32_t list_parts(const pzs_hysteresis *tables, pzs_table_part part[PZS
     return 14;
 }
 
-uint32_t pzs_hysteresis_crc(const pzs_hysteresis *tables)
+static uint32_t checksum(const pzs_hysteresis *tables)
 {
     pzs_table_part part[PZS_TABLE_PARTS];
     return pzs_scrub_crc(part, list_parts(tables, part));
@@ -89,7 +89,7 @@ pzs_status pzs_hysteresis_seal(pzs_hysteresis *tables)
     if (tables == NULL || !are_complete(tables))
         return PZS_E_ARGUMENT;
     tables->format = PZS_TABLE_FORMAT;
-    tables->crc = pzs_hysteresis_crc(tables);
+    tables->crc = checksum(tables);
     return PZS_OK;
 }
 
@@ -164,7 +164,7 @@ static pzs_status check(const pzs_hysteresis *tables, const pzs_problem *problem
         return PZS_E_FORMAT;
     if (!are_complete(tables) || tables->inputs != problem->inputs)
         return PZS_E_ARGUMENT;
-    if (pzs_hysteresis_crc(tables) != tables->crc)
+    if (checksum(tables) != tables->crc)
         return PZS_E_CRC;
     for (uint32_t k = 0; k < tables->inputs; k++) {
         *where = (int32_t)k;

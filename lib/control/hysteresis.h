@@ -10,12 +10,6 @@
 #include "pzs_loop.h"
 
 /*
- * Return the checksum of the counts and arrays of hysteresis tables, which their member crc must
- * equal.
- */
-uint32_t pzs_hysteresis_crc(const pzs_hysteresis *tables);
-
-/*
  * Memory of one electrode with hysteresis and creep, through which its effect (voltage that would
  * move the structure as far without hysteresis) depends on earlier voltages.
  */

@@ -56,7 +56,8 @@ static pzs_real excess(const pzs_limit_rows *rows, uint32_t k, const pzs_real *v
     return most > 0 ? most : 0;
 }
 
-bool pzs_satisfy_rows(const pzs_limit_rows *rows, const pzs_real *voltage)
+/* Whether voltages [inputs] violate no limit row (limit of a sum of voltages). */
+static bool satisfy(const pzs_limit_rows *rows, const pzs_real *voltage)
 {
     uint32_t k = 0;
     while (k < rows->sums.count && excess(rows, k, voltage) <= 0)
@@ -113,7 +114,7 @@ static bool is_safe(const pzs_problem *problem)
     while (i < problem->inputs && rows->safe[i] >= problem->lower[i] &&
            rows->safe[i] <= problem->upper[i] && number_is_finite(rows->safe[i]))
         i++;
-    return i == problem->inputs && pzs_satisfy_rows(rows, rows->safe);
+    return i == problem->inputs && satisfy(rows, rows->safe);
 }
 
 static pzs_status check_rows(const pzs_problem *problem, int32_t *where)
@@ -312,12 +313,12 @@ static bool bring_inside(pzs_control *control, int32_t *where)
     const pzs_limit_rows *rows = problem->limit_rows;
     const uint32_t outside = first_outside(control);
     pzs_real *goal = control->state.optimiser.scratch;
-    if (outside == problem->inputs && pzs_satisfy_rows(rows, control->state.voltage))
+    if (outside == problem->inputs && satisfy(rows, control->state.voltage))
         return true;
     *where = outside < problem->inputs ? (int32_t)outside : -1;
     for (uint32_t i = 0; i < problem->inputs; i++)
         goal[i] = number_clamp(rows->safe[i], control->state.lower[i], control->state.upper[i]);
-    if (!pzs_satisfy_rows(rows, goal))
+    if (!satisfy(rows, goal))
         return false;
     const bool has_arrived = move_towards(control, goal);
     pzs_boxls_true_gradient(&control->state.optimiser);
@@ -325,6 +326,6 @@ static bool bring_inside(pzs_control *control, int32_t *where)
 }
 
 const struct pzs_limit_row_calls pzs_limit_rows_calls = {
-    list_parts,      check_rows,        pzs_satisfy_rows, pzs_arrange_rows,   pzs_prepare_rows,
-    pzs_repair_rows, pzs_optimise_rows, bring_inside,     pzs_violation_rows, pzs_scale_back_rows,
-    take_back,       add_row_limits,    least_work,       usual_work};
+    list_parts,      check_rows,        satisfy,      pzs_arrange_rows,   pzs_prepare_rows,
+    pzs_repair_rows, pzs_optimise_rows, bring_inside, pzs_violation_rows, pzs_scale_back_rows,
+    take_back,       add_row_limits,    least_work,   usual_work};

@@ -154,9 +154,6 @@ pzs_real pzs_limit_rows_sum(const pzs_limit_rows *rows, uint32_t k, const pzs_re
  */
 pzs_real pzs_limit_rows_margin(const pzs_problem *problem, uint32_t k);
 
-/* Whether voltages [inputs] violate no limit row (limit of a sum of voltages). */
-bool pzs_satisfy_rows(const pzs_limit_rows *rows, const pzs_real *voltage);
-
 int32_t pzs_scale_back_rows(const pzs_problem *problem, const pzs_real *inside, pzs_real *voltage);
 
 /* ---- optimiser (row_solver.c) ------------------------------------------- */

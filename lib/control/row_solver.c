@@ -345,7 +345,7 @@ static void load_bounds(const rows_run *run)
  * Compute the present values of all voltages and scaled sums of limit rows (limits of sums of
  * voltages).
  */
-void pzs_rows_load_values(const rows_run *run)
+static void load_values(const rows_run *run)
 {
     pzs_real *value = run->tableau->voltage;
     memcpy(value, run->optimiser->voltage, run->inputs * sizeof *value);
@@ -402,13 +402,14 @@ static pzs_real wrong_sign(const rows_run *run, uint32_t k, pzs_real multiplier)
 }
 
 /*
- * Return the largest violation of the optimality (KKT) conditions (m2/V) by the present voltages
- * and limited sums of voltages.
+ * Return the largest violation of the optimality (KKT) conditions (m2/V) by the present voltages,
+ * limited sums of voltages and multipliers. Where a sum of absolute values is limited, the
+ * conditions are those of voltages that keep their signs.
  *   reduced [inputs] in  gradient minus the contributions of the active limits of sums (m2/V)
  * Also stores in solver->gap the duality gap, an upper bound of the distance of half the objective
  * from its minimum (m2).
  */
-pzs_real pzs_rows_violation(const rows_run *run, const pzs_real *reduced)
+static pzs_real largest_violation(const rows_run *run, const pzs_real *reduced)
 {
     const pzs_optimiser *tableau = run->tableau;
     pzs_real largest = 0, gap = 0;
@@ -436,7 +437,7 @@ pzs_real pzs_rows_violation(const rows_run *run, const pzs_real *reduced)
  */
 static pzs_real total_violation(const rows_run *run, const pzs_real *reduced)
 {
-    const pzs_real largest = pzs_rows_violation(run, reduced);
+    const pzs_real largest = largest_violation(run, reduced);
     if (!has_absolute(run))
         return largest;
     const pzs_real crossing = run->rows->absolute_call->crossing_violation(run->control, reduced);
@@ -567,7 +568,7 @@ static bool is_away_from_bound(const rows_run *run)
 }
 
 /*
- * Whether the sums of all limit rows (limits of sums of voltages), which pzs_rows_load_values has
+ * Whether the sums of all limit rows (limits of sums of voltages), which load_values has
  * computed, are inside their true limits. The optimiser narrows these limits by a margin for
  * rounding errors; a sum may exceed the narrowed limits by half of this margin.
  */
@@ -595,7 +596,7 @@ static void correct_active(const rows_run *run)
         if (number_is_finite(tableau->next_voltage[i]))
             optimiser->voltage[i] =
                 number_clamp(tableau->next_voltage[i], tableau->lower[i], tableau->upper[i]);
-    pzs_rows_load_values(run);
+    load_values(run);
 }
 
 /*
@@ -623,7 +624,7 @@ static bool take_voltages(const rows_run *run, bool is_complete)
                                     ? number_clamp(next, optimiser->lower[i], optimiser->upper[i])
                                     : optimiser->start_voltage[i];
     }
-    pzs_rows_load_values(run);
+    load_values(run);
     for (uint32_t k = 0; k < CORRECTIONS && is_complete && is_away_from_bound(run); k++)
         correct_active(run);
     if (are_rows_inside(run)) {
@@ -832,7 +833,7 @@ static bool make_round(const rows_run *run)
 {
     pzs_optimiser *optimiser = run->optimiser;
     follow_signs(run);
-    pzs_rows_load_values(run);
+    load_values(run);
     measure_violation(run);
     optimiser->is_optimal = is_converged(run);
     if (optimiser->is_optimal)
@@ -914,7 +915,7 @@ pzs_real pzs_violation_rows(pzs_control *control, const pzs_real *gradient, uint
     if (!run.tableau->is_rebuilding)
         follow_signs(&run);
     memcpy(reduced, gradient, run.inputs * sizeof *reduced);
-    pzs_rows_load_values(&run);
+    load_values(&run);
     (void)pzs_rows_subtract(&run, reduced);
     *active = 0;
     for (uint32_t row = run.inputs; row < run.count; row++)

@@ -63,26 +63,10 @@ static inline pzs_real rows_coefficient(const rows_run *run, uint32_t k, uint32_
 }
 
 /*
- * Compute the present values of all voltages and scaled sums of limit rows (limits of sums of
- * voltages).
- */
-void pzs_rows_load_values(const rows_run *run);
-
-/*
  * Subtract from a gradient [inputs] what the active limit rows (limits of sums of voltages)
  * contribute to it: scaled coefficients times multiplier. Returns the largest absolute contribution
  * (m2/V), from which the rounding error is estimated.
  */
 pzs_real pzs_rows_subtract(const rows_run *run, pzs_real *gradient);
-
-/*
- * Return the largest violation of the optimality (KKT) conditions (m2/V) by the present voltages,
- * limited sums of voltages and multipliers. Where a sum of absolute values is limited, the
- * conditions are those of voltages that keep their signs.
- *   reduced [inputs] in  gradient minus the contributions of the active limits of sums (m2/V)
- * Stores in solver->gap the duality gap (m2). Half of the objective exceeds its optimum by at most
- * this gap.
- */
-pzs_real pzs_rows_violation(const rows_run *run, const pzs_real *reduced);
 
 #endif

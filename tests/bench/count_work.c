@@ -14,8 +14,6 @@ enum { TICKS = 1500, LONGEST_HOLD = 64 };
 
 #define AMPLITUDE PZS_R(200) /* V */
 #define GAIN PZS_R(0.95)
-/* Multiply-adds of a tick beside the optimiser: twice the influence matrix. */
-#define PRODUCTS (2u * DEMO_INPUTS * DEMO_OUTPUTS)
 
 static pzs_real control_work[DEMO_CONTROL_BYTES / sizeof(pzs_real) + 1];
 static pzs_real wanted[DEMO_OUTPUTS], measured[DEMO_OUTPUTS];
