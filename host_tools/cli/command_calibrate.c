@@ -13,8 +13,8 @@
 #include "../model/poke_drift.h"
 #include "../model/poke_outliers.h"
 #include "../system/progress.h"
-#include "command_modes.h"
-#include "command_sweep.h"
+#include "calibrate_vibration.h"
+#include "calibrate_hysteresis.h"
 #include "outfile.h"
 
 /*
@@ -589,9 +589,9 @@ int command_calibrate(const options *options, const scene *scene)
     run.scene = scene;
     int status = read_pokes(&run, options);
     if (status == 0 && options->sample_rate > 0)
-        status = command_sweep(options, &run.pokes);
+        status = calibrate_hysteresis(options, &run.pokes);
     else if (status == 0 && options->vibration_rate > 0)
-        status = command_modes(options, &run.pokes);
+        status = calibrate_vibration(options, &run.pokes);
     else if (status == 0)
         status = calibrate_matrix(&run, options);
     calibration_free(&run.result);

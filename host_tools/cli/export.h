@@ -8,7 +8,7 @@
 #include "../model/loaded.h"
 #include "options.h"
 #include "history.h"
-#include "print.h"
+#include "print_shape.h"
 
 /* Whether the options of the command line ask for files with arrays of numbers. */
 bool export_is_wanted(const options *options);

@@ -1,9 +1,10 @@
 /* SPDX-License-Identifier: BSD-2-Clause */
-/* Voltages, charges and capacitances of the electrodes of a scene on standard output (print.h). */
+/* Voltages, charges and capacitances of the electrodes of a scene on standard output
+ * (print_electric.h). */
+#include "print_electric.h"
 #include <math.h>
 #include <stdio.h>
 #include "../model/bare_faces.h"
-#include "print.h"
 #include "../text/words.h"
 
 /* Return a text that describes the electrical connection of electrode k. */

@@ -1,10 +1,10 @@
 /* SPDX-License-Identifier: BSD-2-Clause */
 /*
  * Shape errors on standard output for a target that is a list of shapes, for which the voltages are
- * optimised one by one (print.h).
+ * optimised one by one (print_modes.h).
  */
+#include "print_modes.h"
 #include <stdio.h>
-#include "print.h"
 
 /*
  * For a target that is a list of shapes, print for each pair of a lower and an upper voltage limit

@@ -2,7 +2,7 @@
 /* Results of a simulation as text, JSON and CSV (print_simulate.h). */
 #include "print_simulate.h"
 #include <math.h>
-#include "print.h"
+#include "print_head.h"
 #include "print_vibration.h"
 #include "../system/progress.h"
 #include "../simulate/imperfections_scene.h"

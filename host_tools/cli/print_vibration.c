@@ -328,6 +328,10 @@ static void json_stability(json *json, const certificate *certificate)
         json_number(json, "storms_worst", loop->worst);
         json_number(json, "storms_allowed", CERTIFICATE_TOLERANCE);
         json_number(json, "storms_unit", loop->unit);
+        json_number(json, "hysteresis", loop->hysteresis);
+        json_number(json, "storms_unseen", loop->unseen);
+        json_number(json, "hysteresis_storms", loop->hysteresis_storms);
+        json_number(json, "hysteresis_storms_failed", loop->hysteresis_failed);
         json_number(json, "storms_alarms", loop->fading > 0 ? loop->alarms : (double)NAN);
         if (loop->gate.is_made) {
             json_number(json, "storms_gated", loop->gate.storms);

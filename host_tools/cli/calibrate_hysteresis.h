@@ -3,8 +3,8 @@
  * The command `pzs calibrate --hysteresis`: hysteresis and creep of an actuator from a measured
  * sweep (voltage that rises and falls, and the position at every sample).
  */
-#ifndef COMMAND_SWEEP_H
-#define COMMAND_SWEEP_H
+#ifndef CALIBRATE_HYSTERESIS_H
+#define CALIBRATE_HYSTERESIS_H
 
 #include "../model/calibrate.h"
 #include "options.h"
@@ -17,6 +17,6 @@
  *       used
  * Returns an exit code after printing the result or an error message.
  */
-int command_sweep(const options *options, const pokes *samples);
+int calibrate_hysteresis(const options *options, const pokes *samples);
 
 #endif

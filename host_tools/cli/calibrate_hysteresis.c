@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: BSD-2-Clause */
-/* The command `pzs calibrate --hysteresis` (command_sweep.h). */
-#include "command_sweep.h"
+/* The command `pzs calibrate --hysteresis` (calibrate_hysteresis.h). */
+#include "calibrate_hysteresis.h"
 #include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
@@ -97,7 +97,7 @@ static int check_duration(const pokes *samples, double rate)
     return complain(text);
 }
 
-int command_sweep(const options *options, const pokes *samples)
+int calibrate_hysteresis(const options *options, const pokes *samples)
 {
     char error[SCENE_ERROR];
     identification found;
