@@ -128,9 +128,9 @@ void damped_loop_close(damped_loop *loop);
 /*
  * Put another control law in the place of the control step. All outputs are sensors.
  *   law          in  block of the phase PZS_PHASE_STEP that needs no more memory than
- * pzs_step_block; its tables must outlive the loop is_observed  in  true: the loop keeps its
- * vibration damper, whose estimates the law may read is_corrected in  a loop without damper has
- * pzs_reading_delay_block for late readings
+ *       pzs_step_block; its tables must outlive the loop
+ *   is_observed  in  whether the loop keeps its vibration damper, whose estimates the law may read
+ *   is_corrected in  whether a loop without damper has a correction of late readings
  */
 void damped_loop_replace(damped_loop *loop, const pzs_block *law, bool is_observed,
                          bool is_corrected);

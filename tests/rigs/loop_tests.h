@@ -43,9 +43,10 @@ typedef struct storm_tally {
 /*
  * Add the storms of a loop on five plants, the model and four with gains of 0.8 and 1.33 and
  * frequencies of 0.9 and 1.1 of the model's, with 12 periods of rest (at least 1200 ticks, at most
- * 1500). delay  in      age of the readings on the plants (ticks) enough in      number of failed
- * storms in the tally after which no more storms are run tally  in/out  storms of this loop and of
- * others before
+ * 1500).
+ *   delay  in      age of the readings on the plants (ticks)
+ *   enough in      number of failed storms in the tally after which no more storms are run
+ *   tally  in/out  storms of this loop and of others before
  */
 void loop_storms(damped_loop *loop, int delay, unsigned seed, int enough, storm_tally *tally);
 

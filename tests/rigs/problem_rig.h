@@ -95,4 +95,20 @@ static inline pzs_status start_loop(pzs_loop *loop, const pzs_block *block, size
     return pzs_loop_init(loop, block, count, NULL, *work, bytes);
 }
 
+/* Memory and start of a block of a test whose only data are its tables. */
+static inline size_t no_bytes(const void *tables, const pzs_problem *problem)
+{
+    (void)tables;
+    (void)problem;
+    return 0;
+}
+
+static inline pzs_status no_init(void *self, const void *tables, pzs_loop_signals *signals)
+{
+    (void)self;
+    (void)tables;
+    (void)signals;
+    return PZS_OK;
+}
+
 #endif

@@ -9,6 +9,7 @@
 #include "../../lib/core/linalg.h"
 #include "../../lib/model/model.h"
 #include "../../lib/model/shell.h"
+#include "uniform.h"
 
 static void *grow(void *old, size_t count, size_t size)
 {
@@ -66,12 +67,6 @@ static uint32_t add_node(quad_mesh *quads, const double position[3], const doubl
     return (uint32_t)quads->nodes++;
 }
 
-static double random_part(unsigned *seed)
-{
-    *seed = *seed * 1664525u + 1013904223u;
-    return (*seed >> 8) / 8388608.0 - 1;
-}
-
 void quad_shell_block(quad_shell *shell, int n1, int n2, quad_map *map, const void *data,
                       double distortion, unsigned seed)
 {
@@ -80,7 +75,7 @@ void quad_shell_block(quad_shell *shell, int n1, int n2, quad_map *map, const vo
     for (int i = 0; i <= n1; i++)
         for (int j = 0; j <= n2; j++) {
             const int inner = i > 0 && i < n1 && j > 0 && j < n2;
-            const double shift[2] = {random_part(&seed), random_part(&seed)};
+            const double shift[2] = {uniform(&seed, -1, 1), uniform(&seed, -1, 1)};
             double position[3], director[3];
             map(data, (i + inner * distortion * shift[0]) / n1,
                 (j + inner * distortion * shift[1]) / n2, position, director);

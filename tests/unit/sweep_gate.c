@@ -3,8 +3,9 @@
  * differ from their model and have hysteresis, while the target jumps.
  *
  *   gate [TICKS [SENSORS]]   number of ticks without a fault, default 20000, which also sets the
- *                            number of runs with faults; SENSORS: number of sensors, spread over
- * the plate, default 0: every node
+ *                            number of runs with faults
+ *                            SENSORS: number of sensors, spread over the plate, default 0: every
+ *                            node
  *
  * Prints how many healthy readings are gated, without loads and under point loads that the tables
  * do not know; for wrong sensors, how often exactly these are gated, and how much farther the shape
@@ -18,17 +19,10 @@
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
-#include "../../host_tools/model/certificate_make.h"
-#include "../../host_tools/model/estimator.h"
-#include "../../host_tools/model/mass.h"
-#include "../../host_tools/model/modal.h"
-#include "../../host_tools/simulate/certify.h"
-#include "../../host_tools/simulate/inertia.h"
 #include "../../host_tools/simulate/random.h"
-#include "../../host_tools/tables/loop_blocks.h"
-#include "../rigs/scene_run.h"
+#include "../rigs/damped_plant.h"
 
-enum { INPUTS = 25, OUTPUTS = 121, SIDE = 11, LOADS = OUTPUTS - SIDE, PLAYS = 4, MODES = 40 };
+enum { INPUTS = 25, OUTPUTS = 121, SIDE = 11, LOADS = OUTPUTS - SIDE, MODES = 40 };
 enum { ALL = INPUTS + LOADS };
 
 #define SCENE                                                                                      \
@@ -45,33 +39,17 @@ typedef enum wrong {
     SILENT    /* its reading is NaN */
 } wrong;
 
-/* A damped loop with a sensor gate around a plate, and the plate that loads act on. */
+/* A damped loop with a sensor gate around a plate that point loads act on. */
 typedef struct rig {
-    scene_run run, plant; /* the loop's scene without the point loads; with them */
-    estimator estimator;
-    damper damper;
-    sensor_gate gate;
-    loop_blocks blocks;
-    vibration vibration;
-    modal modal;
-    inertia inertia;
-    pzs_loop loop;
-    void *work;
-    size_t bytes, sensors, row[OUTPUTS]; /* row: output that each sensor measures */
-    double gain, hysteresis, noise, unit;
-    double play[INPUTS][PLAYS], sum[ALL], wanted[OUTPUTS], shape[OUTPUTS], reading[OUTPUTS];
-    double size[OUTPUTS];
+    damped_plant plant;
+    scene_run loaded; /* the loop's scene with the point loads */
+    double noise, unit;
+    double shape[OUTPUTS], reading[OUTPUTS], size[OUTPUTS];
     wrong wrong[OUTPUTS];
     int since[OUTPUTS]; /* tick in which each fault began */
-    uint64_t random, noises;
-    int next_jump, every, tick;
+    uint64_t noises;
+    int next_jump, every;
 } rig;
-
-static int complain(const char *error)
-{
-    printf("not ok - %s\n", error);
-    return -1;
-}
 
 /* The point loads of 1 N on every node that is free, as a list of a scene. */
 static void list_loads(char *text, size_t room)
@@ -84,17 +62,21 @@ static void list_loads(char *text, size_t room)
     (void)snprintf(text + at, room - at, "]");
 }
 
-/* Sensors at `count` nodes spread over the plate, or none for every node. */
-static void list_sensors(rig *r, int count, char *text, size_t room)
+/* Node of sensor i of `count` sensors spread over the plate; of every node where count is 0. */
+static int node_of(int i, int count)
+{
+    return count > 0 ? SIDE + (int)((i + 0.5) * LOADS / count) : i;
+}
+
+/* Sensors at `count` nodes spread over the plate, as changes of the scene; 0: every node. */
+static void list_sensors(int count, char *text, size_t room)
 {
     size_t at = (size_t)snprintf(text, room, "%s", SCENE);
-    r->sensors = 0;
     for (int i = 0; i < count; i++) {
-        const int node = SIDE + (int)((i + 0.5) * LOADS / count);
+        const int node = node_of(i, count);
         at += (size_t)snprintf(
             text + at, room - at, "%s{name: s%d, u3: middle, at: {theta1: %.4g, theta2: %.4g}}",
             i ? ", " : ";outputs=[", i, 0.02 * (node / SIDE), 0.02 * (node % SIDE));
-        r->row[r->sensors++] = (size_t)node;
     }
     if (count > 0)
         at += (size_t)snprintf(text + at, room - at, "]");
@@ -103,112 +85,52 @@ static void list_sensors(rig *r, int count, char *text, size_t room)
                                i ? ", " : ";estimate={tolerance: 0.999, readings: [", i);
     if (count > 0)
         (void)snprintf(text + at, room - at, "]}");
-    for (size_t i = 0; i < OUTPUTS && count == 0; i++)
-        r->row[r->sensors++] = i;
-}
-
-static int open_tables(rig *r)
-{
-    analysis *analysis = &r->run.analysis;
-    certificate_make(&analysis->certificate, analysis);
-    if (certify_loop(analysis, r->run.error) < 0 ||
-        estimator_open(&r->estimator, analysis, r->run.error) < 0)
-        return complain(r->run.error);
-    const damper_options options = damper_options_of(analysis);
-    const estimator *few = r->estimator.sensors > 0 ? &r->estimator : NULL;
-    if (damper_make(&r->damper, analysis, few, &options, r->run.error) < 0)
-        return complain(r->run.error);
-    if (!loop_gate_open(&r->gate, analysis, &r->estimator, &r->damper))
-        return complain("out of memory");
-    loop_blocks_fill(&r->blocks, &analysis->design, &r->estimator, &r->damper);
-    loop_blocks_gate(&r->blocks, &r->gate);
-    return 0;
 }
 
 static int open_rig(rig *r, int sensors)
 {
     static char change[20000];
     char text[SCENE_ERROR];
-    double too_small;
-    list_sensors(r, sensors, change, sizeof change);
-    if (scene_run_open(&r->run, "plate-closed-loop", change) < 0 ||
-        analysis_influence(&r->run.analysis, r->run.error) < 0 || open_tables(r) < 0)
-        return complain(r->run.error);
+    damped_plant *plant = &r->plant;
+    list_sensors(sensors, change, sizeof change);
+    if (damped_plant_open_loop(plant, "plate-closed-loop", change) < 0)
+        return -1;
     list_loads(change, sizeof change);
-    analysis *plant = &r->plant.analysis;
-    if (scene_run_open(&r->plant, "plate-closed-loop", change) < 0 ||
-        analysis_influence(plant, r->plant.error) < 0 ||
-        vibration_solve(&r->vibration, &plant->design, MODES, MASS_LUMPED, r->plant.error) < 0)
-        return complain(r->plant.error);
-    if (plant->design.targets != OUTPUTS || plant->design.structure.input.count != ALL)
-        return complain("the plate is another one");
-    if (!modal_open(&r->modal, &plant->design, &r->vibration, ALL) ||
-        !inertia_open(&r->inertia, &r->modal))
-        return complain("out of memory");
-    (void)pzs_loop_init(&r->loop, r->blocks.block, (size_t)r->blocks.count, NULL, &too_small, 0);
-    r->bytes = (size_t)r->loop.info.where;
-    r->work = malloc(r->bytes);
-    r->unit = design_target_rms(&r->run.analysis.design);
-    sensor_gate_text(&r->gate, text);
+    if (scene_run_open(&r->loaded, "plate-closed-loop", change) < 0 ||
+        analysis_influence(&r->loaded.analysis, r->loaded.error) < 0)
+        return damped_plant_complain(plant, r->loaded.error);
+    if (damped_plant_open_structure(plant, &r->loaded.analysis, MODES) < 0)
+        return -1;
+    if (plant->outputs != OUTPUTS || plant->inputs != INPUTS || plant->all != ALL)
+        return damped_plant_complain(plant, "the plate is another one");
+    for (size_t i = 0; i < plant->sensors; i++)
+        plant->sensor_row[i] = (size_t)node_of((int)i, sensors);
+    r->unit = design_target_rms(&plant->run.analysis.design);
+    sensor_gate_text(&plant->parts.gate, text);
     printf("%s\n", text);
-    return r->work ? 0 : complain("out of memory");
-}
-
-static double uniform(uint64_t *random, double low, double high)
-{
-    return low + (high - low) * random_uniform(random);
+    return 0;
 }
 
 /* Return loop and plate to rest at zero voltages, with right sensors. */
 static void start(rig *r, uint64_t seed, double gain, double frequency, double hysteresis,
                   double noise, int every)
 {
-    (void)pzs_loop_init(&r->loop, r->blocks.block, (size_t)r->blocks.count, NULL, r->work,
-                        r->bytes);
-    memset(r->play, 0, sizeof r->play);
-    memset(r->sum, 0, sizeof r->sum);
+    damped_plant_start(&r->plant, gain, frequency, hysteresis);
     memset(r->wrong, 0, sizeof r->wrong);
-    inertia_rest(&r->inertia, r->sum);
-    r->inertia.gain = gain;
-    r->inertia.stretch = frequency;
-    r->inertia.interval = 0;
-    r->gain = gain;
-    r->hysteresis = hysteresis;
     r->noise = noise;
     r->every = every;
-    r->next_jump = r->tick = 0;
-    r->random = seed;
+    r->next_jump = 0;
+    r->plant.random = seed;
     r->noises = seed + 1;
 }
 
 /* Set a new target: a part of the scene's, or the shape of random voltages up to their limits. */
 static void jump(rig *r)
 {
-    const design *design = &r->run.analysis.design;
-    const double factor = uniform(&r->random, -1, 1);
-    double voltage[INPUTS];
-    r->next_jump = r->tick + (int)uniform(&r->random, 0.5 * r->every, 1.5 * r->every);
-    for (size_t j = 0; j < INPUTS; j++)
-        voltage[j] = uniform(&r->random, design->lower[j], design->upper[j]);
-    for (size_t i = 0; i < OUTPUTS; i++) {
-        double random_shape = 0;
-        for (size_t j = 0; j < INPUTS; j++)
-            random_shape += r->plant.analysis.influence[i * ALL + j] * voltage[j];
-        r->wanted[i] = factor > 0 ? factor * design->target[i] : random_shape;
-    }
-}
-
-/* Voltage that acts on the ceramic of an electrode (V). */
-static double act(rig *r, size_t j, double voltage)
-{
-    double mean = 0;
-    for (int i = 0; i < PLAYS; i++) {
-        const double slack = 300. * (i + 1) / (2 * PLAYS);
-        double *play = &r->play[j][i];
-        *play = fmin(fmax(*play, voltage - slack), voltage + slack);
-        mean += *play / PLAYS;
-    }
-    return voltage + r->hysteresis * 16 / 5 * (mean - voltage);
+    damped_plant *plant = &r->plant;
+    const double factor = damped_plant_uniform(plant, -1, 1);
+    r->next_jump = plant->tick + (int)damped_plant_uniform(plant, 0.5 * r->every, 1.5 * r->every);
+    damped_plant_aim(plant, factor, 1);
 }
 
 static double read_sensor(rig *r, size_t sensor, double value)
@@ -216,7 +138,7 @@ static double read_sensor(rig *r, size_t sensor, double value)
     value += r->noise * random_noise(&r->noises);
     switch (r->wrong[sensor]) {
     case OFFSET: return value + r->size[sensor];
-    case DRIFTING: return value + r->size[sensor] * (r->tick - r->since[sensor]);
+    case DRIFTING: return value + r->size[sensor] * (r->plant.tick - r->since[sensor]);
     case FULL: return r->size[sensor];
     case REVERSED: return r->size[sensor] - value;
     case SILENT: return (double)NAN;
@@ -224,30 +146,26 @@ static double read_sensor(rig *r, size_t sensor, double value)
     }
 }
 
-/* Run one tick: plate, readings, loop. */
+/* Run one tick: readings, loop, plate. */
 static pzs_status run_tick(rig *r)
 {
-    if (r->tick >= r->next_jump)
+    damped_plant *plant = &r->plant;
+    if (plant->tick >= r->next_jump)
         jump(r);
-    for (size_t i = 0; i < OUTPUTS; i++) {
-        inertia_observe(&r->inertia, i, 1, &r->shape[i]);
-        for (size_t j = 0; j < ALL; j++)
-            r->shape[i] += r->gain * r->plant.analysis.influence[i * ALL + j] * r->sum[j];
-    }
-    for (size_t i = 0; i < r->sensors; i++)
-        r->reading[i] = read_sensor(r, i, r->shape[r->row[i]]);
-    const pzs_status status = pzs_loop_tick(&r->loop, r->wanted, r->reading);
+    for (size_t i = 0; i < OUTPUTS; i++)
+        r->shape[i] = damped_plant_observe(plant, i, plant->acting);
+    for (size_t i = 0; i < plant->sensors; i++)
+        r->reading[i] = read_sensor(r, i, r->shape[plant->sensor_row[i]]);
+    const pzs_status status = pzs_loop_tick(&plant->loop, plant->wanted, r->reading);
     for (size_t j = 0; j < INPUTS; j++)
-        r->sum[j] = act(r, j, r->loop.info.voltage[j]);
-    inertia_jump(&r->inertia, r->sum);
-    inertia_advance(&r->inertia, 1 / r->run.analysis.design.control.rate);
-    r->tick++;
+        plant->acting[j] = damped_plant_act(plant, j, plant->loop.info.voltage[j]);
+    damped_plant_advance(plant, plant->acting);
     return status;
 }
 
 static const pzs_sensor_gate_info *info_of(const rig *r)
 {
-    const pzs_sensor_gate_state *gate = pzs_loop_find(&r->loop, &pzs_sensor_gate_block);
+    const pzs_sensor_gate_state *gate = pzs_loop_find(&r->plant.loop, &pzs_sensor_gate_block);
     return &gate->info;
 }
 
@@ -288,7 +206,7 @@ static double column_rms(const rig *r, size_t input)
 {
     double sum = 0;
     for (size_t i = 0; i < OUTPUTS; i++)
-        sum += pow(r->plant.analysis.influence[i * ALL + input], 2) / OUTPUTS;
+        sum += pow(r->loaded.analysis.influence[i * ALL + input], 2) / OUTPUTS;
     return sqrt(sum);
 }
 
@@ -308,11 +226,11 @@ static long run_loads(rig *r, double targets, int ticks)
         start(r, 5 + load, 1, 1, 0.1, 1e-6, 1000000);
         for (int t = 0; t < 200; t++)
             (void)run_tick(r);
-        r->sum[load] = targets * r->unit / column_rms(r, load);
+        r->plant.acting[load] = targets * r->unit / column_rms(r, load);
         for (int t = 0; t < ticks; t++)
             count_tick(&all, r, run_tick(r));
         gated_loads += all.gated > before;
-        r->sum[load] = 0;
+        r->plant.acting[load] = 0;
         for (int t = 0; t < 400; t++)
             (void)run_tick(r);
         gated_after += info_of(r)->count > 0;
@@ -330,7 +248,7 @@ static double missed(const rig *r)
 {
     double sum = 0;
     for (size_t i = 0; i < OUTPUTS; i++)
-        sum += pow(r->shape[i] - r->wanted[i], 2) / OUTPUTS;
+        sum += pow(r->shape[i] - r->plant.wanted[i], 2) / OUTPUTS;
     return sqrt(sum) / r->unit;
 }
 
@@ -346,22 +264,23 @@ typedef struct fault {
 /* Begin a fault at random sensors. */
 static void fail(rig *r, const fault *fault, uint64_t *random)
 {
-    const int count = fault->sensors > 0 ? fault->sensors : (int)r->sensors;
+    const int count = fault->sensors > 0 ? fault->sensors : (int)r->plant.sensors;
     for (int k = 0; k < count; k++) {
-        size_t i = fault->sensors > 0 ? (size_t)random_int(random, (int)r->sensors) : (size_t)k;
+        size_t i =
+            fault->sensors > 0 ? (size_t)random_int(random, (int)r->plant.sensors) : (size_t)k;
         while (r->wrong[i] != RIGHT)
-            i = (i + 1) % r->sensors;
+            i = (i + 1) % r->plant.sensors;
         r->wrong[i] = fault->wrong;
-        r->since[i] = r->tick;
+        r->since[i] = r->plant.tick;
         r->size[i] = fault->size * (random_int(random, 2) ? 1 : -1) *
-                     (count > 1 ? uniform(random, 0.3, 1) : 1);
+                     (count > 1 ? (0.3 + 0.7 * random_uniform(random)) : 1);
     }
 }
 
 /* Whether exactly the wrong sensors are gated or missing. */
 static bool is_named(const rig *r)
 {
-    for (size_t i = 0; i < r->sensors; i++)
+    for (size_t i = 0; i < r->plant.sensors; i++)
         if ((r->wrong[i] != RIGHT) != (info_of(r)->reading[i] != PZS_READING_USED))
             return false;
     return true;

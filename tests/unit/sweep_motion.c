@@ -20,6 +20,7 @@
 #include "../../host_tools/simulate/simulation.h"
 #include "../../lib/control/control.h"
 #include "../rigs/scene_run.h"
+#include "../rigs/uniform.h"
 
 #define PLATE "plate-closed-loop"
 #define PANEL "tests/rigs/scenes/storm-panel.yaml"
@@ -60,12 +61,6 @@ static const structure structures[] = {
 static const double plants[][3] = {
     {1, 1, 1}, {1.33, 0.9, 1}, {0.8, 1.1, 0.25}, {1.33, 1.1, 0.25}, {0.8, 0.9, 1}};
 
-static double draw(unsigned *seed)
-{
-    *seed = *seed * 1664525u + 1013904223u;
-    return (double)(*seed >> 8) / 16777216.0;
-}
-
 /* Write the schedule of the storm as a change of the scene. */
 static void write_storm(char *text, size_t room, const structure *of, bool has_load)
 {
@@ -75,7 +70,7 @@ static void write_storm(char *text, size_t room, const structure *of, bool has_l
                           has_load ? "{at: 0, load: 0, factor: 0}, " : "");
     for (int k = 1; k <= 10; k++)
         length += snprintf(text + length, room - (size_t)length, "{at: %d, target: %g}, ", 40 * k,
-                           multiple[(int)(4 * draw(&seed))]);
+                           multiple[(int)(4 * uniform(&seed, 0, 1))]);
     snprintf(text + length, room - (size_t)length, "{at: 440, target: 1}];");
 }
 

@@ -15,23 +15,18 @@
 #include "../../host_tools/model/poke_drift.h"
 #include "../../host_tools/model/poke_outliers.h"
 #include "../rigs/scene_assert.h"
+#include "../rigs/uniform.h"
 
 /* ---- pokes ------------------------------------------------------------ */
 
 static uint32_t random_state = 7;
-
-static double draw(void)
-{
-    random_state = random_state * 1664525u + 1013904223u;
-    return (double)(random_state >> 8) / (1 << 24);
-}
 
 /* Normal number by the sum of twelve uniform ones. */
 static double draw_normal(void)
 {
     double sum = -6;
     for (int i = 0; i < 12; i++)
-        sum += draw();
+        sum += uniform(&random_state, 0, 1);
     return sum;
 }
 
@@ -52,7 +47,7 @@ static double voltage_at(excitation type, size_t poke, size_t actuator)
     switch (type) {
     case ONE_BY_ONE: return poke == actuator ? 100 : 0;
     case HADAMARD: return parity ? -100 : 100;
-    default: return draw() < 0.5 ? -100 : 100;
+    default: return uniform(&random_state, 0, 1) < 0.5 ? -100 : 100;
     }
 }
 
@@ -120,7 +115,7 @@ enum { ACTUATORS = 16, OUTPUTS = 60 };
 static void random_truth(experiment *e)
 {
     for (size_t i = 0; i < e->pokes.outputs * e->pokes.actuators; i++)
-        e->truth[i] = 1e-8 * (2 * draw() - 1);
+        e->truth[i] = 1e-8 * (2 * uniform(&random_state, 0, 1) - 1);
 }
 
 /* Law: without noise, as many independent pokes as actuators give the matrix to rounding. */

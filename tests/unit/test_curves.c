@@ -13,43 +13,21 @@
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
-#include <unistd.h>
 #include <cmocka.h>
 #include "../../host_tools/model/curves.h"
 #include "../../host_tools/simulate/simulation.h"
 #include "../rigs/scene_assert.h"
+#include "../rigs/test_folder.h"
 
-enum { OUTPUTS = 12, ACTUATORS = 4, PATH = 128 };
+enum { OUTPUTS = 12, ACTUATORS = 4 };
 
-static char folder[PATH];
 static double matrix[OUTPUTS][ACTUATORS];
-
-static const char *path_of(const char *name)
-{
-    static char path[2][PATH + 64];
-    static int which;
-    which = !which;
-    snprintf(path[which], sizeof path[which], "%s/%s", folder, name);
-    return path[which];
-}
-
-static void write_text(const char *name, const char *format, ...)
-{
-    FILE *file = fopen(path_of(name), "w");
-    va_list list;
-    assert_non_null(file);
-    va_start(list, format);
-    vfprintf(file, format, list);
-    va_end(list);
-    assert_int_equal(fclose(file), 0);
-}
 
 /* A matrix of numbers without pattern, from -0.7 to 0.7. */
 static void write_matrix(void)
 {
-    FILE *file = fopen(path_of("matrix.csv"), "w");
+    FILE *file = write_file("matrix.csv");
     uint32_t state = 1;
-    assert_non_null(file);
     fputs("a1,a2,a3,a4\n", file);
     for (int i = 0; i < OUTPUTS; i++)
         for (int k = 0; k < ACTUATORS; k++) {
@@ -73,21 +51,10 @@ static void write_scene(const char *keys, const char *limits, double target)
 
 static int set_up(void **state)
 {
-    (void)state;
-    strcpy(folder, "/tmp/pzs-curves-XXXXXX");
-    if (!mkdtemp(folder))
+    if (make_test_folder(state) < 0)
         return -1;
     write_matrix();
     return 0;
-}
-
-static int tear_down(void **state)
-{
-    static const char *const names[] = {"scene.yaml", "matrix.csv", "curve.csv"};
-    (void)state;
-    for (size_t k = 0; k < sizeof names / sizeof *names; k++)
-        unlink(path_of(names[k]));
-    return rmdir(folder);
 }
 
 static void open_scene(scene_run *run, const char *changes)
@@ -186,8 +153,7 @@ static double between_points(double effect, int k)
 static void write_points(double factor)
 {
     static const int order[ACTUATORS] = {2, 0, 3, 1};
-    FILE *file = fopen(path_of("curve.csv"), "w");
-    assert_non_null(file);
+    FILE *file = write_file("curve.csv");
     fputs("v [kV],a3,a1,a4,a2\n", file);
     for (int i = 0; i < POINTS; i++) {
         fprintf(file, "%.17g", point_voltage[i] / 1000);
@@ -472,5 +438,5 @@ int main(void)
         cmocka_unit_test(test_given),         cmocka_unit_test(test_other_limits),
         cmocka_unit_test(test_loop),          cmocka_unit_test(test_refused),
         cmocka_unit_test(test_refused_files), cmocka_unit_test(test_reference)};
-    return cmocka_run_group_tests(tests, set_up, tear_down);
+    return cmocka_run_group_tests(tests, set_up, remove_test_folder);
 }

@@ -20,6 +20,7 @@
 #include "../../host_tools/data/point_area.h"
 #include "../../host_tools/data/scatter.h"
 #include "../../lib/core/guard.h"
+#include "../rigs/uniform.h"
 
 /* A file with given bytes, which close_file removes. */
 typedef struct temporary {
@@ -508,12 +509,6 @@ static void test_csv(void **state)
 
 /* ---- scattered points ------------------------------------------------- */
 
-static double draw(uint32_t *random)
-{
-    *random = *random * 1664525u + 1013904223u;
-    return (double)(*random >> 8) / (1 << 24);
-}
-
 enum { POINTS = 400 };
 
 /*
@@ -529,7 +524,7 @@ static void test_scatter_linear(void **state)
         for (int i = 0; i < POINTS; i++) {
             value[i] = 0.3;
             for (int a = 0; a < axes; a++) {
-                point[i * axes + a] = draw(&random);
+                point[i * axes + a] = uniform(&random, 0, 1);
                 value[i] += (a + 1) * point[i * axes + a];
             }
         }
@@ -538,7 +533,7 @@ static void test_scatter_linear(void **state)
         for (int k = 0; k < 500; k++) {
             double expected = 0.3, distance;
             for (int a = 0; a < axes; a++) {
-                place[a] = 1.2 * draw(&random) - 0.1;
+                place[a] = 1.2 * uniform(&random, 0, 1) - 0.1;
                 expected += (a + 1) * place[a];
             }
             /* Rounding is amplified by the distance over the width of the nearest points. */
@@ -588,7 +583,7 @@ static void test_scatter_order(void **state)
         scatter *s = scatter_open(2, (size_t)(n * n), point, value);
         uint32_t random = 9;
         for (int k = 0; k < 2000; k++) {
-            const double place[2] = {draw(&random), draw(&random)};
+            const double place[2] = {uniform(&random, 0, 1), uniform(&random, 0, 1)};
             error[level] = fmax(error[level], fabs(scatter_value(s, place, NULL) -
                                                    sin(3 * place[0]) * cos(2 * place[1])));
         }
@@ -633,8 +628,8 @@ static void test_area_sum(void **state)
     double area[N], sum = 0;
     uint32_t random = 3;
     for (int i = 0; i < N; i++) {
-        place[i][0] = i < 4 ? i % 2 : draw(&random);
-        place[i][1] = i < 4 ? i / 2 : draw(&random);
+        place[i][0] = i < 4 ? i % 2 : uniform(&random, 0, 1);
+        place[i][1] = i < 4 ? i / 2 : uniform(&random, 0, 1);
     }
     memcpy(place[100], place[99], sizeof *place); /* two points at the same place */
     assert_int_equal(point_areas(N, place, area), 0);

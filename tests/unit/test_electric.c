@@ -18,6 +18,7 @@
 #include "../../lib/nonlinear/nonlinear.h"
 #include "../rigs/mode_stiffness.h"
 #include "../rigs/scene_assert.h"
+#include "../rigs/uniform.h"
 #include "../../lib/model/shell.h"
 
 /* ---- sensors of a bimorph --------------------------------------------- */
@@ -113,8 +114,7 @@ static void test_circuits(void **state)
 static double random_part(void)
 {
     static uint32_t seed = 7;
-    seed = seed * 1664525u + 1013904223u;
-    return (double)(seed >> 8) / 8388608.0 - 1;
+    return uniform(&seed, -1, 1);
 }
 
 /* The lower layer of the scene PLATE poled along its axis 1, which is 30 degrees from theta1. */

@@ -4,7 +4,7 @@
  *
  * SPDX-License-Identifier: BSD-2-Clause
  */
-#define _POSIX_C_SOURCE 200809L
+#define _XOPEN_SOURCE 700
 #include <setjmp.h>
 #include <stdarg.h>
 #include <stddef.h>
@@ -14,14 +14,12 @@
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
-#include <unistd.h>
 #include <cmocka.h>
 #include "../rigs/mesh_writer.h"
 #include "../rigs/scene_run.h"
+#include "../rigs/test_folder.h"
 #include "../../lib/nonlinear/nonlinear.h"
 
-static char folder[] = "/tmp/test_file_faces_XXXXXX";
-static char scene_path[64], mesh_path[64];
 static grid_mesh grid;
 static const double pi = 3.14159265358979323846, thickness = 0.02;
 enum { SIDE = 8 };
@@ -69,20 +67,18 @@ static void cap(double u, double v, double x[3])
 /* A run holds pointers to itself and must stay where it was opened. */
 static void open_scene(scene_run *run, void (*point)(double, double, double[3]), const char *more)
 {
-    FILE *file = fopen(mesh_path, "wb");
-    assert_non_null(file);
+    FILE *file = write_file("grid.msh");
     grid_fill(&grid, SIDE, SIDE, point, 0);
     grid_write(&grid, MSH4_BINARY, file);
     fclose(file);
-    file = fopen(scene_path, "w");
-    assert_non_null(file);
+    file = write_file("scene.yaml");
     fprintf(file,
             "name: test\nkinematics: nonlinear\ndof_per_node: 7\nequilibrium: {tolerance: 1e-9}\n"
             "mesh: {file: grid.msh}\nmaterials:\n  rubber: {E: 2e3, nu: 0.4}\n"
             "layers: [{material: rubber, thickness: %g}]\n" SPRINGS "%s",
             thickness, more);
     fclose(file);
-    if (scene_run_open(run, scene_path, "") < 0)
+    if (scene_run_open(run, path_of("scene.yaml"), "") < 0)
         fail_msg("%s", run->error);
     assert_int_equal(run->analysis.design.mesh.free_dof, run->analysis.design.mesh.nodes * 7);
 }
@@ -356,14 +352,6 @@ static void test_ball_on_dome(void **state)
     set_turn(0, 0);
 }
 
-static int remove_files(void **state)
-{
-    (void)state;
-    remove(scene_path);
-    remove(mesh_path);
-    return rmdir(folder);
-}
-
 int main(void)
 {
     const struct CMUnitTest tests[] = {
@@ -372,9 +360,6 @@ int main(void)
         cmocka_unit_test(test_curved_face),
         cmocka_unit_test(test_ball_on_dome),
     };
-    if (!mkdtemp(folder))
-        return 1;
-    snprintf(scene_path, sizeof scene_path, "%s/scene.yaml", folder);
-    snprintf(mesh_path, sizeof mesh_path, "%s/grid.msh", folder);
-    return cmocka_run_group_tests_name("faces of file meshes", tests, NULL, remove_files);
+    return cmocka_run_group_tests_name("faces of file meshes", tests, make_test_folder,
+                                       remove_test_folder);
 }

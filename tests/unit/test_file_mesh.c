@@ -4,7 +4,7 @@
  *
  * SPDX-License-Identifier: BSD-2-Clause
  */
-#define _POSIX_C_SOURCE 200809L
+#define _XOPEN_SOURCE 700
 #include <setjmp.h>
 #include <stdarg.h>
 #include <stddef.h>
@@ -13,13 +13,11 @@
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
-#include <unistd.h>
 #include <cmocka.h>
 #include "../rigs/mesh_writer.h"
 #include "../rigs/scene_run.h"
+#include "../rigs/test_folder.h"
 
-static char folder[] = "/tmp/test_file_mesh_XXXXXX";
-static char scene_path[64], mesh_path[64];
 static grid_mesh grid;
 static const double pi = 3.14159265358979323846;
 
@@ -67,16 +65,14 @@ static const char *const bodies[2] = {
 
 static void write_scene(const char *body, const char *layers)
 {
-    FILE *file = fopen(scene_path, "w");
-    assert_non_null(file);
+    FILE *file = write_file("scene.yaml");
     fprintf(file, "name: test\n%s%s%s", MATERIALS, layers, body);
     fclose(file);
 }
 
 static void write_grid(mesh_format format)
 {
-    FILE *file = fopen(mesh_path, "wb");
-    assert_non_null(file);
+    FILE *file = write_file("grid.msh");
     grid_write(&grid, format, file);
     fclose(file);
 }
@@ -85,7 +81,7 @@ static scene_run run_scene(const char *body, const char *layers)
 {
     scene_run r;
     write_scene(body, layers);
-    if (scene_run_open(&r, scene_path, "") < 0 || scene_run_solve(&r) < 0)
+    if (scene_run_open(&r, path_of("scene.yaml"), "") < 0 || scene_run_solve(&r) < 0)
         fail_msg("%s", r.error);
     return r;
 }
@@ -95,7 +91,7 @@ static void assert_scene_refused(const char *body, const char *layers, const cha
 {
     scene_run r;
     write_scene(body, layers);
-    if (scene_run_open(&r, scene_path, "") == 0 || !strstr(r.error, says))
+    if (scene_run_open(&r, path_of("scene.yaml"), "") == 0 || !strstr(r.error, says))
         fail_msg("'%s', expected '%s'", r.error, says);
     scene_run_close(&r);
 }
@@ -559,8 +555,7 @@ static void test_loose_node(void **state)
     static const char *const places[3] = {"supports: [{set: ref, fix: clamped}]\n",
                                           "supports: [{set: r*, fix: clamped}]\n",
                                           "outputs: [{name: w, z: middle, at: {set: ref}}]\n"};
-    FILE *file = fopen(mesh_path, "wb");
-    assert_non_null(file);
+    FILE *file = write_file("grid.msh");
     fputs("*NODE\n1, 0, 0, 0\n2, 1, 0, 0\n3, 1, 1, 0\n4, 0, 1, 0\n70, 5, 5, 5\n"
           "*ELEMENT, TYPE=S4\n1, 1, 2, 3, 4\n*NSET, NSET=ref\n70, 2\n*NSET, NSET=end\n1, 4\n",
           file);
@@ -570,7 +565,7 @@ static void test_loose_node(void **state)
         scene_run r;
         snprintf(body, sizeof body, "mesh: {file: grid.msh}\n%s", places[k]);
         write_scene(body, LAYERS);
-        if (scene_run_open(&r, scene_path, "") == 0 ||
+        if (scene_run_open(&r, path_of("scene.yaml"), "") == 0 ||
             !strstr(r.error,
                     "nodes without element in set 'ref' of the mesh file: 1 (70); take them"))
             fail_msg("case %d: '%s'", k, r.error);
@@ -600,14 +595,6 @@ static void test_hash(void **state)
     assert_int_not_equal(hash[0], hash[1]);
 }
 
-static int remove_files(void **state)
-{
-    (void)state;
-    remove(scene_path);
-    remove(mesh_path);
-    return rmdir(folder);
-}
-
 int main(void)
 {
     const struct CMUnitTest tests[] = {
@@ -627,9 +614,5 @@ int main(void)
         cmocka_unit_test(test_loose_node),
         cmocka_unit_test(test_hash),
     };
-    if (!mkdtemp(folder))
-        return 1;
-    snprintf(scene_path, sizeof scene_path, "%s/scene.yaml", folder);
-    snprintf(mesh_path, sizeof mesh_path, "%s/grid.msh", folder);
-    return cmocka_run_group_tests_name("file mesh", tests, NULL, remove_files);
+    return cmocka_run_group_tests_name("file mesh", tests, make_test_folder, remove_test_folder);
 }

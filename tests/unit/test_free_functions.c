@@ -13,19 +13,19 @@
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
-#include <unistd.h>
 #include <cmocka.h>
 #include "../../host_tools/cli/templates.h"
 #include "../../host_tools/model/certificate_make.h"
 #include "../../host_tools/simulate/storm.h"
 #include "../../host_tools/tables/loop_blocks.h"
 #include "../rigs/scene_run.h"
+#include "../rigs/test_folder.h"
 #include "../rigs/uniform.h"
 
 #ifndef FREE_TICKS
 #define FREE_TICKS 6000 /* healthy ticks of each loop without a damper */
 #endif
-enum { LATEST = 250, PATH = 128 };
+enum { LATEST = 250 };
 
 static const char *const functions[] = {"[piston]", "[tip]", "[tilt]", "[piston, tip, tilt]",
                                         "[x*y]"};
@@ -33,33 +33,21 @@ enum { FUNCTIONS = sizeof functions / sizeof *functions };
 
 /* ---- files of the measured scene ------------------------------------------ */
 
-static char folder[PATH], scene_path[PATH], matrix_path[PATH];
-
-static int write_template(const char *name, const char *path)
+/* Write a template of `pzs new` to a file. */
+static void write_template(const char *name, const char *file_name)
 {
-    FILE *file = fopen(path, "w");
     const char *text = templates_text(name);
-    const int failed = !file || !text || fputs(text, file) < 0;
-    return (file && fclose(file) != 0) || failed ? -1 : 0;
+    assert_non_null(text);
+    write_text(file_name, "%s", text);
 }
 
 static int write_scene(void **state)
 {
-    (void)state;
-    strcpy(folder, "/tmp/pzs-free-XXXXXX");
-    if (!mkdtemp(folder))
+    if (make_test_folder(state) < 0)
         return -1;
-    snprintf(scene_path, sizeof scene_path, "%.60s/measured.yaml", folder);
-    snprintf(matrix_path, sizeof matrix_path, "%.60s/measured-matrix.csv", folder);
-    return write_template("measured", scene_path) + write_template("measured-matrix", matrix_path);
-}
-
-static int remove_scene(void **state)
-{
-    (void)state;
-    unlink(scene_path);
-    unlink(matrix_path);
-    return rmdir(folder);
+    write_template("measured", "measured.yaml");
+    write_template("measured-matrix", "measured-matrix.csv");
+    return 0;
 }
 
 /* ---- quasi-static plants --------------------------------------------------- */
@@ -201,7 +189,7 @@ static void try_loop(const quasi_static *of, const char *function, const char *l
     snprintf(changes, sizeof changes,
              "target.free=%s;limits.voltage=%s;simulate={ticks: 10};safety={};%s", function, limits,
              of->changes);
-    open_rig(&r, of->scene[0] ? of->scene : scene_path, changes);
+    open_rig(&r, of->scene[0] ? of->scene : path_of("measured.yaml"), changes);
     assert_false(r.parts.damper.is_used);
     for (int k = 0; k < 3; k++) {
         start(&r, gain[k], of->scatter);
@@ -287,5 +275,5 @@ int main(void)
 {
     const struct CMUnitTest tests[] = {cmocka_unit_test(quasi_static_loops),
                                        cmocka_unit_test(damped_loops)};
-    return cmocka_run_group_tests_name("free functions", tests, write_scene, remove_scene);
+    return cmocka_run_group_tests_name("free functions", tests, write_scene, remove_test_folder);
 }

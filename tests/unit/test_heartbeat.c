@@ -26,21 +26,6 @@ typedef struct failure {
     int found;         /* number of heartbeats that the block has taken */
 } failure;
 
-static size_t no_bytes(const void *tables, const pzs_problem *problem)
-{
-    (void)tables;
-    (void)problem;
-    return 0;
-}
-
-static pzs_status no_init(void *self, const void *tables, pzs_loop_signals *signals)
-{
-    (void)self;
-    (void)tables;
-    (void)signals;
-    return PZS_OK;
-}
-
 /* The block type has const tables, so that they name the failure by its address. */
 static pzs_status fail_tick(void *self, pzs_loop_signals *signals)
 {

@@ -253,18 +253,24 @@ static void check_bits_of_factor(void)
     assert_true(inverse[a.n] == CANARY && value[reals] == CANARY);
 }
 
-static void bits_of_factor(void **state)
+/* Run a check on definite and indefinite matrices of all orders and patterns. */
+static void check_all_matrices(void (*check)(void))
 {
-    /* Law: factor and pivots have the bits of the row by row reference, whatever the tile; no byte
-     * beyond them. */
-    (void)state;
     for (size_t o = 0; o < ORDERS; o++)
         for (int p = 0; p < PATTERNS; p++)
             for (uint32_t s = 0; s < SEEDS; s++) {
                 s % 2u ? make_definite((enum pattern)p, orders[o], s)
                        : make_indefinite((enum pattern)p, orders[o], s);
-                check_bits_of_factor();
+                check();
             }
+}
+
+static void bits_of_factor(void **state)
+{
+    /* Law: factor and pivots have the bits of the row by row reference, whatever the tile; no byte
+     * beyond them. */
+    (void)state;
+    check_all_matrices(check_bits_of_factor);
 }
 
 static void bits_of_groups(void **state)
@@ -706,13 +712,7 @@ static void condition(void **state)
     /* Law: the estimate is a lower bound of the 1-norm condition, within a factor of 10, of 3 in
      * nine cases of ten. */
     (void)state;
-    for (size_t o = 0; o < ORDERS; o++)
-        for (int p = 0; p < PATTERNS; p++)
-            for (uint32_t s = 0; s < SEEDS; s++) {
-                s % 2u ? make_definite((enum pattern)p, orders[o], s)
-                       : make_indefinite((enum pattern)p, orders[o], s);
-                check_condition();
-            }
+    check_all_matrices(check_condition);
     for (uint32_t n = 1; n <= PZS_BY_BITS(4u, 9u); n++) { /* Hilbert */
         make_pattern(DENSE, n, 0);
         for (uint32_t i = 0; i < n; i++)

@@ -13,7 +13,6 @@
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
-#include <unistd.h>
 #include <cmocka.h>
 #include "../../host_tools/data/number_table.h"
 #include "../../host_tools/model/mass.h"
@@ -23,48 +22,8 @@
 #include "../../host_tools/simulate/simulation.h"
 #include "../../host_tools/tables/sparse_tables.h"
 #include "../rigs/scene_assert.h"
-
-enum { PATH = 128 };
-
-/* A folder of this test, with the files that it writes. */
-static char folder[PATH];
-
-static int make_folder(void **state)
-{
-    (void)state;
-    strcpy(folder, "/tmp/pzs-measured-XXXXXX");
-    return mkdtemp(folder) ? 0 : -1;
-}
-
-static const char *path_of(const char *name)
-{
-    static char path[2][PATH + 64];
-    static int which;
-    which = !which;
-    snprintf(path[which], sizeof path[which], "%s/%s", folder, name);
-    return path[which];
-}
-
-static int remove_folder(void **state)
-{
-    static const char *const names[] = {"scene.yaml", "matrix.csv", "plain.csv", "target.csv",
-                                        "points.csv", "wanted.csv", "mask.csv",  "matrix.npy"};
-    (void)state;
-    for (size_t k = 0; k < sizeof names / sizeof *names; k++)
-        unlink(path_of(names[k]));
-    return rmdir(folder);
-}
-
-static void write_text(const char *name, const char *format, ...)
-{
-    FILE *file = fopen(path_of(name), "w");
-    va_list list;
-    assert_non_null(file);
-    va_start(list, format);
-    vfprintf(file, format, list);
-    va_end(list);
-    assert_int_equal(fclose(file), 0);
-}
+#include "../rigs/test_folder.h"
+#include "../rigs/uniform.h"
 
 /* ---- the matrix of a structure, as if it were measured ----------------- */
 
@@ -95,8 +54,7 @@ static void write_names(FILE *file, const analysis *a, const layout *l)
 static void write_matrix(const analysis *a, const layout *l)
 {
     const design *d = &a->design;
-    FILE *file = fopen(path_of("matrix.csv"), "w");
-    assert_non_null(file);
+    FILE *file = write_file("matrix.csv");
     if (l->has_names)
         write_names(file, a, l);
     const int rows = l->is_transposed ? d->amplifiers : d->targets;
@@ -115,8 +73,7 @@ static void write_matrix(const analysis *a, const layout *l)
 
 static void write_points(const design *d)
 {
-    FILE *file = fopen(path_of("points.csv"), "w");
-    assert_non_null(file);
+    FILE *file = write_file("points.csv");
     for (int i = 0; i < d->targets; i++)
         fprintf(file, "%.17g %.17g\n", d->mesh.point[d->target_node[i]].position[0],
                 d->mesh.point[d->target_node[i]].position[1]);
@@ -297,9 +254,8 @@ static const int tied_group[TIED_ACTUATORS] = {0, 1, 0, 2, 1};
 /* Write a matrix of numbers without pattern, or with the columns of each group summed. */
 static void write_tied_matrix(const char *name, bool is_summed)
 {
-    FILE *file = fopen(path_of(name), "w");
+    FILE *file = write_file(name);
     uint32_t state = 1;
-    assert_non_null(file);
     fputs(is_summed ? "left,right,a4\n" : "a1,a2,a3,a4,a5\n", file);
     for (int i = 0; i < TIED_OUTPUTS; i++) {
         double sum[TIED_GROUPS] = {0, 0, 0};
@@ -430,7 +386,7 @@ static const double published[ACTUATORS] = {375.40, 317.36, -8.87,  98.24,  124.
  */
 static void write_bimorph(const number_table *scans)
 {
-    FILE *matrix = fopen(path_of("matrix.csv"), "w"), *wanted = fopen(path_of("wanted.csv"), "w");
+    FILE *matrix = write_file("matrix.csv"), *wanted = write_file("wanted.csv");
     double mean = 0;
     assert_true(matrix && wanted);
     for (size_t i = 0; i < scans->rows; i++)
@@ -509,16 +465,13 @@ static void test_scattered_target(void **state)
     (void)state;
     scene_run f, p;
     char change[256];
-    FILE *file = fopen(path_of("wanted.csv"), "w");
+    FILE *file = write_file("wanted.csv");
     uint32_t random = 4;
-    assert_non_null(file);
     fputs("x,y,u3\n", file);
     for (int i = 0; i < 300; i++) {
         double place[2];
-        for (int a = 0; a < 2; a++) {
-            random = random * 1664525u + 1013904223u;
-            place[a] = 0.2 * (double)(random >> 8) / (1 << 24);
-        }
+        for (int a = 0; a < 2; a++)
+            place[a] = 0.2 * uniform(&random, 0, 1);
         fprintf(file, "%.17g,%.17g,%.17g\n", place[0], place[1], 2 * place[0] - place[1] + 0.1);
     }
     assert_int_equal(fclose(file), 0);
@@ -634,8 +587,7 @@ static void test_applied(void **state)
     (void)state;
     scene_run list, file;
     char change[256];
-    FILE *values = fopen(path_of("wanted.csv"), "w");
-    assert_non_null(values);
+    FILE *values = write_file("wanted.csv");
     for (int k = 0; k < 25; k++)
         fprintf(values, "%d\n", 10 * k - 100);
     assert_int_equal(fclose(values), 0);
@@ -937,8 +889,7 @@ static double banded(int output, int actuator)
 
 static void write_banded(void)
 {
-    FILE *file = fopen(path_of("matrix.csv"), "w");
-    assert_non_null(file);
+    FILE *file = write_file("matrix.csv");
     for (int i = 0; i < LINES; i++)
         for (int k = 0; k < COLUMNS; k++)
             fprintf(file, "%.17g%c", banded(i, k), k + 1 < COLUMNS ? ',' : '\n');
@@ -1053,5 +1004,5 @@ int main(void)
         cmocka_unit_test(test_tied),           cmocka_unit_test(test_tied_refused),
         cmocka_unit_test(test_park),
     };
-    return cmocka_run_group_tests(tests, make_folder, remove_folder);
+    return cmocka_run_group_tests(tests, make_test_folder, remove_test_folder);
 }

@@ -13,7 +13,6 @@
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
-#include <unistd.h>
 #include <cmocka.h>
 #include "../../host_tools/model/certificate_make.h"
 #include "../../host_tools/model/damper.h"
@@ -24,48 +23,9 @@
 #include "../../host_tools/simulate/plant.h"
 #include "../../host_tools/simulate/storm_state.h"
 #include "../rigs/scene_assert.h"
+#include "../rigs/test_folder.h"
 
-enum { PATH = 128, MODES = 8, MOST_TARGETS = 64 };
-
-/* Folder in the temporary directory that holds the files which this test writes. */
-static char folder[PATH];
-
-static int make_folder(void **state)
-{
-    (void)state;
-    strcpy(folder, "/tmp/pzs-modes-XXXXXX");
-    return mkdtemp(folder) ? 0 : -1;
-}
-
-static const char *path_of(const char *name)
-{
-    static char path[PATH + 64];
-    snprintf(path, sizeof path, "%s/%s", folder, name);
-    return path;
-}
-
-static int remove_folder(void **state)
-{
-    static const char *const names[] = {"scene.yaml", "matrix.csv", "shapes.csv", "responses.csv"};
-    (void)state;
-    for (size_t k = 0; k < sizeof names / sizeof *names; k++)
-        unlink(path_of(names[k]));
-    return rmdir(folder);
-}
-
-static FILE *begin(const char *name)
-{
-    FILE *file = fopen(path_of(name), "w");
-    assert_non_null(file);
-    return file;
-}
-
-static void write_text(const char *name, const char *text)
-{
-    FILE *file = begin(name);
-    fputs(text, file);
-    assert_int_equal(fclose(file), 0);
-}
+enum { MODES = 8, MOST_TARGETS = 64 };
 
 /* ---- a plate as if it were measured ------------------------------------- */
 
@@ -89,7 +49,7 @@ static const char plate_changes[] =
 static void write_matrix(const analysis *a)
 {
     const size_t inputs = a->design.structure.input.count;
-    FILE *file = begin("matrix.csv");
+    FILE *file = write_file("matrix.csv");
     for (int i = 0; i < a->design.targets; i++)
         for (int k = 0; k < a->design.amplifiers; k++)
             fprintf(file, "%.17g%c", a->influence[(size_t)i * inputs + (size_t)k],
@@ -106,7 +66,7 @@ static void write_modes(const analysis *a, const vibration *vibration, double sc
 {
     const design *design = &a->design;
     double *shape = calloc((size_t)design->targets * MODES, sizeof *shape);
-    FILE *shapes = begin("shapes.csv"), *responses = begin("responses.csv");
+    FILE *shapes = write_file("shapes.csv"), *responses = write_file("responses.csv");
     assert_non_null(shape);
     for (int mode = 0; mode < MODES; mode++)
         design_shape(design, vibration->shape + (size_t)mode * (size_t)design->mesh.free_dof,
@@ -127,7 +87,7 @@ static void write_modes(const analysis *a, const vibration *vibration, double sc
 static void write_scene(const analysis *a, const vibration *vibration, bool has_responses)
 {
     const design *design = &a->design;
-    FILE *file = begin("scene.yaml");
+    FILE *file = write_file("scene.yaml");
     fputs("name: measured\nunits: {length: m, force: N, voltage: V, temperature: K}\n"
           "influence:\n  file: matrix.csv\n  modes:\n",
           file);
@@ -140,7 +100,7 @@ static void write_scene(const analysis *a, const vibration *vibration, bool has_
         fputs("}\n", file);
     }
     fputs("control: {rate: 1000}\nlimits: {voltage: [-200, 200], step_limit: 13}\n"
-          "simulate: {ticks: 10}\ntarget: {value: [",
+          "simulate: {ticks: 10, plant: {hysteresis: 0.1}}\ntarget: {value: [",
           file);
     for (int i = 0; i < design->targets; i++)
         fprintf(file, "%s%.17g", i ? ", " : "", design->target[i]);
@@ -221,7 +181,8 @@ static void test_same_tick(void **state)
 
 /*
  * Law: the certificate of the measured scene is that of the plate from which its influence matrix
- * and its modes come, storms included.
+ * and its modes come, storms included, where both state the same hysteresis: 10 %, which a plate of
+ * ceramic has without a number.
  */
 static void test_same_certificate(void **state)
 {
@@ -705,7 +666,7 @@ static void test_wrong(void **state)
         scene scene;
         snprintf(text, sizeof text, HEAD "influence: {file: matrix.csv, modes: %s}\n",
                  bad[k].modes);
-        write_text("scene.yaml", text);
+        write_text("scene.yaml", "%s", text);
         const int failed = scene_read(&scene, path_of("scene.yaml"), NULL, 0, error);
         if (!failed)
             scene_free(&scene);
@@ -752,5 +713,5 @@ int main(void)
         cmocka_unit_test(test_without_modes),   cmocka_unit_test(test_wrong),
         cmocka_unit_test(test_double_modes),
     };
-    return cmocka_run_group_tests(tests, make_folder, remove_folder);
+    return cmocka_run_group_tests(tests, make_test_folder, remove_test_folder);
 }

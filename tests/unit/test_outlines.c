@@ -19,6 +19,7 @@
 #include "../../host_tools/scene/outline_shares.h"
 #include "../../lib/model/electrode.h"
 #include "../rigs/scene_assert.h"
+#include "../rigs/uniform.h"
 
 #define OUTLINE_PLATE "tests/rigs/scenes/outline-plate.yaml"
 #define DISC "tests/rigs/scenes/disc-mirror.yaml"
@@ -28,13 +29,6 @@
 static const double pi = 3.14159265358979323846;
 static unsigned seed = 1;
 
-/* Uniform random number from `low` to `high`. */
-static double uniform(double low, double high)
-{
-    seed = seed * 1664525u + 1013904223u;
-    return low + (high - low) * (seed >> 8) / 16777216.0;
-}
-
 /* ---- polygons --------------------------------------------------------- */
 
 enum { STAR = 9, STAR_ROOM = POLYGON_ROOM(STAR) };
@@ -43,8 +37,8 @@ enum { STAR = 9, STAR_ROOM = POLYGON_ROOM(STAR) };
 static void random_star(double size, double (*point)[2])
 {
     for (int k = 0; k < STAR; k++) {
-        const double angle = 2 * pi * (k + uniform(0.1, 0.9)) / STAR,
-                     radius = size * uniform(0.2, 1);
+        const double angle = 2 * pi * (k + uniform(&seed, 0.1, 0.9)) / STAR,
+                     radius = size * uniform(&seed, 0.2, 1);
         point[k][0] = radius * cos(angle);
         point[k][1] = radius * sin(angle);
     }
@@ -53,9 +47,9 @@ static void random_star(double size, double (*point)[2])
 /* Random convex quadrilateral, counterclockwise. */
 static void random_quad(double (*quad)[2])
 {
-    const double middle[2] = {uniform(-1, 1), uniform(-1, 1)};
+    const double middle[2] = {uniform(&seed, -1, 1), uniform(&seed, -1, 1)};
     for (int k = 0; k < 4; k++) {
-        const double angle = pi / 2 * (k + uniform(-0.25, 0.25));
+        const double angle = pi / 2 * (k + uniform(&seed, -0.25, 0.25));
         quad[k][0] = middle[0] + 0.5 * cos(angle);
         quad[k][1] = middle[1] + 0.5 * sin(angle);
     }

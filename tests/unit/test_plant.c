@@ -17,6 +17,7 @@
 #include <string.h>
 #include "../rigs/scene_assert.h"
 #include "../rigs/testdata.h"
+#include "../rigs/uniform.h"
 #include "../../host_tools/model/certificate_make.h"
 #include "../../host_tools/simulate/simulate_loop.h"
 #include "../../host_tools/simulate/storm.h"
@@ -53,13 +54,6 @@ static void open_rig(rig *r, int modes, double first, double damping)
     assert_true(inertia_open(&r->inertia, &r->modal));
 }
 
-/* Deterministic number in [0, 1). */
-static double draw(uint32_t *seed)
-{
-    *seed = *seed * 1664525u + 1013904223u;
-    return (double)(*seed >> 8) / 16777216.0;
-}
-
 /*
  * Free decay is exp(-damping w t) times the sine of the damped frequency, whatever the intervals:
  * to rounding. The sum of k intervals has a relative error of up to k epsilon/2, which turns the
@@ -77,7 +71,7 @@ static void test_free_decay(void **state)
         for (int i = 0; i < 3; i++)
             r.inertia.velocity[i] = 1;
         for (int k = 0; k < 4000; k++) {
-            const double interval = 1e-3 * (k % 2 ? 1 : 0.5 + draw(&seed));
+            const double interval = 1e-3 * (k % 2 ? 1 : 0.5 + uniform(&seed, 0, 1));
             inertia_advance(&r.inertia, interval);
             time += interval;
             inertia_observe(&r.inertia, 0, 3, y);
@@ -101,14 +95,15 @@ static void test_energy_falls(void **state)
     (void)state;
     for (int c = 0; c < 300; c++) {
         rig r;
-        open_rig(&r, 5, pow(10, 4 * draw(&seed)), c % 10 == 0 ? 0 : pow(10, 4 * draw(&seed) - 3));
+        open_rig(&r, 5, pow(10, 4 * uniform(&seed, 0, 1)),
+                 c % 10 == 0 ? 0 : pow(10, 4 * uniform(&seed, 0, 1) - 3));
         for (int i = 0; i < 5; i++) {
-            r.inertia.deviation[i] = draw(&seed) - 0.5;
-            r.inertia.velocity[i] = draw(&seed) - 0.5;
+            r.inertia.deviation[i] = uniform(&seed, 0, 1) - 0.5;
+            r.inertia.velocity[i] = uniform(&seed, 0, 1) - 0.5;
         }
         for (int k = 0; k < 50; k++) {
             const double before = inertia_energy(&r.inertia);
-            inertia_advance(&r.inertia, pow(10, 4 * draw(&seed) - 5));
+            inertia_advance(&r.inertia, pow(10, 4 * uniform(&seed, 0, 1) - 5));
             assert_true(inertia_energy(&r.inertia) <= before * (1 + 8 * DBL_EPSILON));
         }
         inertia_close(&r.inertia);
@@ -155,12 +150,12 @@ static void test_jumps_of_many_inputs(void **state)
     uint32_t seed = 3;
     (void)state;
     for (int i = 0; i < MODES * MANY; i++)
-        response[i] = draw(&seed) - 0.5;
+        response[i] = uniform(&seed, 0, 1) - 0.5;
     assert_true(inertia_open(&inertia, &modal));
     for (int jump = 0; jump < JUMPS; jump++) {
         inertia.gain = jump < JUMPS / 2 ? 0.8 : 1.33;
         for (int k = jump % 3; k < MANY; k += 1 + jump) {
-            const double change = draw(&seed) - 0.5;
+            const double change = uniform(&seed, 0, 1) - 0.5;
             for (int i = 0; i < MODES; i++)
                 expected[i] -= inertia.gain * response[i * MANY + k] * change;
             input[k] += change;

@@ -15,55 +15,15 @@
 #include "../../host_tools/mesh/corner_weight.h"
 #include "../../host_tools/quads/vector.h"
 #include "../../lib/model/shell.h"
+#include "../rigs/element_assert.h"
 #include "../rigs/mode_stiffness.h"
 #include "../rigs/quad_shell.h"
 #include "../rigs/testdata.h"
+#include "../rigs/uniform.h"
 
 #define DATA "tests/oracle/data"
 
-/* The largest difference over the largest reference value. */
-static double apart(const double *x, const double *reference, int n)
-{
-    double largest = 0, difference = 0;
-    for (int i = 0; i < n; i++) {
-        largest = fmax(largest, fabs(reference[i]));
-        difference = fmax(difference, fabs(x[i] - reference[i]));
-    }
-    return largest > 0 ? difference / largest : difference;
-}
-
-#define ASSERT_CLOSE(name, what, x, reference, n, tolerance)                                       \
-    do {                                                                                           \
-        const double gap = apart(x, reference, n);                                                 \
-        if (!(gap <= (tolerance)))                                                                 \
-            fail_msg("%s: %s is %.2e apart, more than %.2e", name, what, gap,                      \
-                     (double)(tolerance));                                                         \
-    } while (0)
-
 /* ---- oracle --------------------------------------------------------------- */
-
-static void set_layer(quad_shell *shell, int i, const double *p)
-{
-    scene_material *material = &shell->material[i];
-    memset(material, 0, sizeof *material);
-    memcpy(material->e, p + 2, sizeof material->e);
-    material->g12 = p[5];
-    material->g13 = p[6];
-    material->g23 = p[7];
-    material->nu12 = p[8];
-    material->nu13 = p[9];
-    material->nu23 = p[10];
-    material->has_d = true;
-    material->d31 = p[11];
-    material->d32 = p[12];
-    material->d33 = p[13];
-    memcpy(material->alpha, p + 14, sizeof material->alpha);
-    memset(&shell->layer[i], 0, sizeof shell->layer[i]);
-    shell->layer[i].material = i;
-    shell->layer[i].thickness = p[0];
-    shell->layer[i].angle = p[1];
-    shell->layer[i].poling = 3;
-}
 
 static void open_case(quad_shell *shell, const testdata *t)
 {
@@ -71,7 +31,7 @@ static void open_case(quad_shell *shell, const testdata *t)
     const testdata_array *layers = testdata_find(t, "layers");
     quad_shell_init(shell, 1, 1, 0);
     for (int i = 0; i < layers->rows; i++)
-        set_layer(shell, i, layers->value + 17 * i);
+        element_layer(&shell->layer[i], &shell->material[i], i, layers->value + 17 * i);
     shell->scene.layers = shell->scene.materials = layers->rows;
     shell->scene.reference_is_middle = false;
     shell->scene.reference = -testdata_values(t, "z")[0];
@@ -172,12 +132,6 @@ static void test_oracle(void **state)
 
 /* ---- random quadrilaterals ------------------------------------------------ */
 
-static double pseudo_random(unsigned *seed)
-{
-    *seed = *seed * 1664525u + 1013904223u;
-    return (*seed >> 8) / 8388608.0 - 1;
-}
-
 /* A warped quadrilateral of size 1, thickness 0.05, with tilted directors. */
 static void open_random(quad_shell *shell, unsigned seed, int dof_per_node)
 {
@@ -186,9 +140,9 @@ static void open_random(quad_shell *shell, unsigned seed, int dof_per_node)
     double corner[4][3], director[4][3], axis[4][3];
     for (int r = 0; r < 4; r++) {
         for (int i = 0; i < 3; i++) {
-            corner[r][i] = (i < 2 ? square[r][i] : 0) + 0.15 * pseudo_random(&seed);
-            director[r][i] = (i == 2) + 0.2 * pseudo_random(&seed);
-            axis[r][i] = pseudo_random(&seed);
+            corner[r][i] = (i < 2 ? square[r][i] : 0) + 0.15 * uniform(&seed, -1, 1);
+            director[r][i] = (i == 2) + 0.2 * uniform(&seed, -1, 1);
+            axis[r][i] = uniform(&seed, -1, 1);
         }
         vector_normalise(director[r]);
         const double lean = vector_dot(axis[r], director[r]);
@@ -205,54 +159,14 @@ static void open_random(quad_shell *shell, unsigned seed, int dof_per_node)
         fail_msg("%s", shell->error);
 }
 
-/* Eigenvalues of a symmetric matrix a [n][n] by Jacobi rotations, left on its diagonal. */
-static void eigenvalues(double *a, int n)
-{
-    for (int sweep = 0; sweep < 12; sweep++)
-        for (int p = 0; p < n; p++)
-            for (int q = p + 1; q < n; q++) {
-                if (fabs(a[p * n + q]) < 1e-300)
-                    continue;
-                const double t = (a[q * n + q] - a[p * n + p]) / (2 * a[p * n + q]);
-                const double tangent = (t >= 0 ? 1 : -1) / (fabs(t) + sqrt(t * t + 1)),
-                             c = 1 / sqrt(tangent * tangent + 1), s = tangent * c;
-                for (int k = 0; k < n; k++) {
-                    const double x = a[k * n + p], y = a[k * n + q];
-                    a[k * n + p] = c * x - s * y;
-                    a[k * n + q] = s * x + c * y;
-                }
-                for (int k = 0; k < n; k++) {
-                    const double x = a[p * n + k], y = a[q * n + k];
-                    a[p * n + k] = c * x - s * y;
-                    a[q * n + k] = s * x + c * y;
-                }
-            }
-}
-
 /* Law: a free quadrilateral has exactly six motions without energy, however it is warped. */
 static void test_six_zero_modes(void **state)
 {
     (void)state;
     for (unsigned seed = 0; seed < 200; seed++) {
         quad_shell shell;
-        double a[28 * 28], largest = 0;
-        int zero = 0, positive = 0;
         open_random(&shell, seed, seed % 2 ? 6 : 7);
-        const int n = 4 * (int)shell.mesh.dof_per_node;
-        const double *k = shell.mesh.stiffness;
-        for (int r = 0; r < n; r++)
-            for (int c = 0; c < n; c++)
-                a[r * n + c] = k[r >= c ? r * (r + 1) / 2 + c : c * (c + 1) / 2 + r] /
-                               sqrt(k[r * (r + 3) / 2] * k[c * (c + 3) / 2]);
-        eigenvalues(a, n);
-        for (int r = 0; r < n; r++)
-            largest = fmax(largest, a[r * n + r]);
-        for (int r = 0; r < n; r++) {
-            zero += fabs(a[r * n + r]) < 1e-13 * largest * n;
-            positive += a[r * n + r] > 1e-7 * largest;
-        }
-        assert_int_equal(zero, 6);
-        assert_int_equal(positive, n - 6);
+        assert_six_zero_modes(shell.mesh.stiffness, 4 * (int)shell.mesh.dof_per_node);
         quad_shell_close(&shell);
     }
 }
@@ -262,7 +176,7 @@ static void random_rotation(double angle, unsigned *seed, double q[3][3])
 {
     double axis[3];
     for (int i = 0; i < 3; i++)
-        axis[i] = pseudo_random(seed);
+        axis[i] = uniform(seed, -1, 1);
     vector_normalise(axis);
     for (int j = 0; j < 3; j++) {
         const double e[3] = {j == 0, j == 1, j == 2}, along = vector_dot(axis, e);
@@ -282,7 +196,7 @@ static void test_rigid_rotation(void **state)
         unsigned seed = trial + 1000;
         double q[3][3], u[28] = {0}, e[4][10];
         open_random(&shell, trial, 7);
-        random_rotation(3.1 * pseudo_random(&seed), &seed, q);
+        random_rotation(3.1 * uniform(&seed, -1, 1), &seed, q);
         for (int r = 0; r < 4; r++) {
             const surface_point *point = &shell.mesh.point[r];
             double move[3], turn[3];
@@ -318,8 +232,8 @@ static void test_tangent_is_derivative(void **state)
         open_random(&shell, trial, trial % 2 ? 6 : 7);
         const unsigned dof_per_node = shell.mesh.dof_per_node, n = 4 * dof_per_node;
         for (unsigned i = 0; i < n; i++) {
-            u[i] = 0.1 * pseudo_random(&seed);
-            v[i] = 0.1 * pseudo_random(&seed);
+            u[i] = 0.1 * uniform(&seed, -1, 1);
+            v[i] = 0.1 * uniform(&seed, -1, 1);
         }
         for (int step = -2; step <= 2; step++) {
             for (unsigned i = 0; i < n; i++)
@@ -361,7 +275,7 @@ static void open_patch(quad_shell *shell, double rho, const double q[3][3])
     quads->element = calloc(5, sizeof *quads->element);
     memcpy(quads->element, patch_element, sizeof patch_element);
     for (int n = 0; n < PATCH_NODES; n++) {
-        const double angle = 3 * pseudo_random(&seed);
+        const double angle = 3 * uniform(&seed, -1, 1);
         for (int i = 0; i < 3; i++) {
             quads->position[n][i] = q[i][0] * patch_node[n][0] + q[i][1] * patch_node[n][1];
             quads->director[n][i] = q[i][2];

@@ -20,6 +20,7 @@
 #include "../../lib/model/model.h"
 #include "../rigs/scene_assert.h"
 #include "../rigs/testdata.h"
+#include "../rigs/uniform.h"
 
 #define MOTION "tests/rigs/scenes/motion.yaml"
 #define FREE "supports=[];"
@@ -113,13 +114,6 @@ static double energy_of(rig *r)
 {
     return shell_motion_kinetic(&r->motion) + shell_motion_strain_energy(&r->motion) +
            shell_motion_potential(&r->motion, r->value);
-}
-
-/* Deterministic number in [-1, 1). */
-static double draw(uint32_t *seed)
-{
-    *seed = *seed * 1664525u + 1013904223u;
-    return (double)(*seed >> 8) / 8388608.0 - 1;
 }
 
 /* ---- the oracle --------------------------------------------------------- */
@@ -321,7 +315,7 @@ static void test_momentum(void **state)
         for (int mode = 0; mode < 6; mode++)
             for (size_t i = 0; i < dof_of(&r); i++)
                 r.motion.velocity[i] +=
-                    0.5 * draw(&seed) * r.vibration.shape[(size_t)mode * dof_of(&r) + i];
+                    0.5 * uniform(&seed, -1, 1) * r.vibration.shape[(size_t)mode * dof_of(&r) + i];
         momentum_of(&r, before);
         const double first = energy_of(&r);
         for (int k = 0; k < 400; k++)
@@ -405,7 +399,7 @@ static void test_dissipation(void **state)
         open_rig(&r, MOTION, of[c % 3], 4, step);
         damp(&r);
         for (size_t i = 0; i < dof_of(&r); i++)
-            r.motion.velocity[i] = 2 * draw(&seed);
+            r.motion.velocity[i] = 2 * uniform(&seed, -1, 1);
         double before = energy_of(&r);
         const double first = before;
         for (int k = 0; k < 20; k++) {
