@@ -50,6 +50,7 @@ $(T)/$(1).h: $(B)/pzs
 FW_TABLES += $(T)/$(1).h
 endef
 FW_COARSE := --set mesh.theta1.elements=5 --set mesh.theta2.elements=5
+FW_OPEN := --set materials.G1195.permittivity=7.3e-9 --image linear --modes 5 --electrodes open
 FW_HEMISPHERE := --set mesh.theta1.elements=4 --set mesh.theta2.elements=4
 $(eval $(call fw_tables,plate_control,plate-50-patches --quasi-static --set limits.step_limit=20 --image control))
 $(eval $(call fw_tables,plate_linear,plate-50-patches --quasi-static --set limits.step_limit=20 --image linear))
@@ -58,6 +59,8 @@ $(eval $(call fw_tables,plate5_modes,plate-50-patches --quasi-static --set limit
 $(eval $(call fw_tables,plate_modes,plate-50-patches --quasi-static --set limits.step_limit=20 --image linear --modes 5))
 $(eval $(call fw_tables,plate_nonlinear,plate-50-patches --quasi-static --set kinematics=nonlinear --image nonlinear))
 $(eval $(call fw_tables,hemisphere4_nonlinear,hemisphere $(FW_HEMISPHERE) --image nonlinear))
+$(eval $(call fw_tables,plate5_open,plate-50-patches --quasi-static --set limits.step_limit=20 $(FW_COARSE) $(FW_OPEN)))
+$(eval $(call fw_tables,plate_open,plate-50-patches --quasi-static --set limits.step_limit=20 $(FW_OPEN)))
 $(eval $(call fw_tables,vlasov4_modes,vlasov-plate $(FW_HEMISPHERE) --set kinematics=nonlinear --set materials.plate.E=100 --set materials.plate.density=1 --image nonlinear --modes 3))
 $(eval $(call fw_tables,wing_linear,wing-panel --quasi-static --image linear --compact))
 $(eval $(call fw_tables,wing_nonlinear,wing-panel --quasi-static --set kinematics=nonlinear --image nonlinear --compact))
@@ -136,6 +139,8 @@ $(eval $(call fw_host,32,linear,box_beam_linear))
 $(eval $(call fw_host,32,linear,wing_skin_linear))
 $(eval $(call fw_host,32-modes,modes,plate5_modes))
 $(eval $(call fw_host,64-modes,modes,plate_modes))
+$(eval $(call fw_host,32-modes,modes,plate5_open))
+$(eval $(call fw_host,64-modes,modes,plate_open))
 $(eval $(call fw_host,32-all,modes_at,vlasov4_modes))
 $(eval $(call fw_host,64-all,modes_at,vlasov4_modes))
 $(eval $(call fw_host,32-nonlinear,loads,hemisphere4_nonlinear))
@@ -165,6 +170,8 @@ $(eval $(call fw_image,mps2-an386-linear5,mps2-an386,mps2_an386,board_mps2,10,m4
 $(eval $(call fw_image,mps2-an500-linear,mps2-an500,mps2_an500,board_mps2,10,m7,64,linear,plate_linear,$(FW_M7)))
 $(eval $(call fw_image,mps2-an386-modes5,mps2-an386,mps2_an386,board_mps2,10,m4,32-modes,modes,plate5_modes,$(FW_M4)))
 $(eval $(call fw_image,mps2-an500-modes,mps2-an500,mps2_an500,board_mps2,10,m7,64-modes,modes,plate_modes,$(FW_M7)))
+$(eval $(call fw_image,mps2-an386-open5,mps2-an386,mps2_an386,board_mps2,10,m4,32-modes,modes,plate5_open,$(FW_M4)))
+$(eval $(call fw_image,mps2-an500-open,mps2-an500,mps2_an500,board_mps2,10,m7,64-modes,modes,plate_open,$(FW_M7)))
 $(eval $(call fw_image,mps2-an386-modes-at,mps2-an386,mps2_an386,board_mps2,10,m4,32-all,modes_at,vlasov4_modes,$(FW_M4)))
 $(eval $(call fw_image,mps2-an500-modes-at,mps2-an500,mps2_an500,board_mps2,10,m7,64-all,modes_at,vlasov4_modes,$(FW_M7)))
 $(eval $(call fw_image,mps2-an386-hemisphere4,mps2-an386,mps2_an386,board_mps2,10,m4,32-nonlinear,loads,hemisphere4_nonlinear,$(FW_M4)))

@@ -17,8 +17,11 @@
  *
  * Order of the calls: pzs_model_init, pzs_assemble, pzs_factor, pzs_modes_init, pzs_modes_find. At
  * an equilibrium: pzs_model_init, pzs_solver_init, pzs_modes_init, pzs_equilibrium,
- * pzs_modes_find_at. Electrodes have prescribed voltages: an open electrode would stiffen the
- * structure, which is not counted.
+ * pzs_modes_find_at.
+ *
+ * Electrodes have prescribed voltages, apart from those that pzs_modes_open_electrodes opens after
+ * pzs_modes_init. Their voltages follow the displacement and stiffen the structure: K then stands
+ * for K + B C^-1 B', with the forces B per volt on the open electrodes and their capacitances C.
  *
  * Accuracy: in double, squared frequencies agree with those of the host to rounding. In float, with
  * the element types in the tables, linear solves are refined and squared frequencies computed from
@@ -102,12 +105,32 @@ typedef struct pzs_modes_info {
                                success */
     uint16_t below;  /* number of modes that the count of negative pivots has found below the bound;
                         equal to `converged` after success */
-    uint16_t counts; /* number of counts of the negative pivots, each with two factorisations */
-    uint32_t linear_solves; /* number of linear solves in the last call */
-    pzs_real condition;     /* estimated condition number of the scaled matrix K + shift M; about an
-                               equilibrium it multiplies the rounding errors of the result */
+    uint16_t counts; /* number of counts of the negative pivots, each with two factorisations, and
+                        a linear solve for each open electrode */
+    uint32_t linear_solves; /* number of linear solves in the last call, those of the counts left
+                               out */
+    pzs_real condition;     /* estimated condition number of the scaled matrix K + shift M at
+                               prescribed voltages; about an equilibrium it multiplies the rounding
+                               errors of the result */
     int32_t where;          /* index to which the last status refers, or -1 */
 } pzs_modes_info;
+
+/*
+ * Electrodes that are open while a structure vibrates, and two matrices with a row and a column for
+ * each of them, both as factors L D L^T.
+ */
+typedef struct pzs_modes_electrodes {
+    const pzs_electrodes *tables;
+    uint16_t *electrode; /* [count] index of each open electrode in the tables */
+    pzs_real *work;      /* [count] work of the force per volt on each open electrode on a
+                            displacement (J/V) */
+    pzs_real *voltage;   /* [count] voltage of each open electrode (V) */
+    pzs_envelope held;   /* capacitances C while the shell cannot deform (C/V); during a count of
+                            the modes the matrix below for the shift of the count */
+    pzs_envelope moving; /* capacitances while the shell can deform, C + B' (K + shift M)^-1 B, with
+                            the forces B per volt on each open electrode (C/V) */
+    uint16_t count;      /* number of open electrodes */
+} pzs_modes_electrodes;
 
 typedef struct pzs_modes_state {
     pzs_model *model;
@@ -115,6 +138,10 @@ typedef struct pzs_modes_state {
     struct pzs_solver *solver; /* equilibrium solver about whose equilibrium the structure vibrates;
                                   not used in the undeformed state */
     const struct pzs_modes_calls *call; /* how the search assembles and solves */
+    pzs_modes_electrodes open;          /* electrodes that are open while the structure vibrates */
+    const struct pzs_modes_open_calls *open_call; /* functions of the open electrodes; NULL: no
+                                                     electrode is open */
+    pzs_real *force;      /* [free_dof] work array; not used where no electrode is open */
     pzs_real *basis;      /* [vectors][free_dof] Lanczos vectors, orthonormal with the mass matrix;
                              after success the first of them are the mode shapes */
     pzs_real *projection; /* [vectors][vectors] column j: products of the basis with the operator
@@ -169,6 +196,38 @@ pzs_status pzs_modes_init(pzs_modes *modes, pzs_model *model, const pzs_mass *ma
                           uint16_t vectors, void *work, size_t bytes);
 
 /*
+ * Size of the memory of the matrices of open electrodes, and of the workspace of
+ * pzs_modes_open_electrodes (bytes).
+ */
+#define PZS_OPEN_MATRIX_BYTES(open)                                                                \
+    (sizeof(pzs_real) * 2u * ((size_t)(open) + PZS_DENSE(open)) +                                  \
+     sizeof(uint32_t) * ((size_t)(open) / PZS_TILE + 2u) + 2u * sizeof(uint16_t) * (size_t)(open))
+#define PZS_MODES_OPEN_BYTES(free_dof, open)                                                       \
+    (sizeof(pzs_real) * (size_t)(free_dof) + PZS_OPEN_MATRIX_BYTES(open))
+
+/*
+ * Open electrodes for the following searches, instead of those that an earlier call has opened: no
+ * charge comes to them while the structure vibrates. A linear solve of the search then takes two;
+ * settings.solve_limit becomes twice its default, and one solve more for each open electrode.
+ *   tables  in  electrodes of the structure, with their capacitances; must outlive the search
+ *   is_open in  [tables->count] nonzero: the electrode is open; NULL: as tables->open says. Without
+ *               an open electrode the search has the bits of one without this call
+ *   work    in  memory of the caller, aligned for pzs_real, at least PZS_MODES_OPEN_BYTES; not used
+ *               where no electrode is open
+ * Errors, with the index of an electrode in the tables:
+ *   PZS_E_STAGE        the search is not initialised
+ *   PZS_E_FORMAT, PZS_E_CRC
+ *   PZS_E_ARGUMENT     also for an index out of range
+ *   PZS_E_WORKSPACE    info.where = bytes needed
+ *   PZS_E_NONFINITE    info.where = open electrode; one of its charges is NaN or infinite
+ *   PZS_E_CAPACITANCE  info.where = open electrode
+ *
+ * After the last two no electrode is open; the others change nothing.
+ */
+pzs_status pzs_modes_open_electrodes(pzs_modes *modes, const pzs_electrodes *tables,
+                                     const uint8_t *is_open, void *work, size_t bytes);
+
+/*
  * Find the lowest modes in the undeformed state. With settings.shift 0 the search uses the factors
  * that pzs_factor has left in the model, and leaves the same factors there; otherwise the model
  * needs pzs_assemble afterwards. Stiffness factors and constrained degrees of freedom are those of
@@ -201,7 +260,8 @@ pzs_real pzs_modes_frequency(const pzs_modes *modes, uint16_t mode);
 /*
  * Compute the static value of each modal coordinate under a constant unit of each input: the work
  * of the input's force on the mode shape divided by w^2. For modes of pzs_modes_find_at the forces
- * are those at the equilibrium, zero for an input that prescribes displacements.
+ * are those at the equilibrium, zero for an input that prescribes displacements. The unit of an
+ * open electrode is one of charge; the other inputs act while open electrodes have no charge.
  *   response [number][inputs] out  NAN for rigid motions
  * Errors: PZS_E_ARGUMENT, PZS_E_STAGE (no modes were found).
  */

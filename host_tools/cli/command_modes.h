@@ -1,21 +1,14 @@
 /* SPDX-License-Identifier: BSD-2-Clause */
-/*
- * The command `pzs calibrate --vibration`: vibration modes of a structure from measured steps of
- * the voltages.
- */
+/* The command `pzs modes`: natural frequencies and mode shapes of the structure alone. */
 #ifndef COMMAND_MODES_H
 #define COMMAND_MODES_H
 
-#include "../model/calibrate.h"
 #include "options.h"
 
 /*
- * Identify vibration modes from a measurement. Print frequencies and damping ratios with standard
- * errors, and the key `modes` of the section `influence` of a scene, also written to the output
- * file.
- *   samples  in  voltages and readings, a line for each sample
- * Returns an exit code after printing the result or an error message.
+ * Run the command. Unlike others it accepts supports that permit rigid motions. Returns an exit
+ * code.
  */
-int command_modes(const options *options, const pokes *samples);
+int command_modes(const options *options);
 
 #endif

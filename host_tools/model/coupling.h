@@ -21,9 +21,10 @@ typedef struct coupling {
 /*
  * Compute the coupling factors of vibration modes with open electrodes. Two shapes count as equal
  * if the square of their product with the mass matrix is above 1/2; for modes whose frequencies
- * agree within 1e-4 the sum of these squares counts. analysis in  design and state of the structure
- * about which the modes were computed open     in  modes with open electrodes Returns 0, or -1 with
- * error filled; call coupling_free in either case.
+ * agree within 1e-4 the sum of these squares counts.
+ *   analysis in  design and state of the structure about which the modes were computed
+ *   open     in  modes with open electrodes
+ * Returns 0, or -1 with error filled; call coupling_free in either case.
  */
 int coupling_find(coupling *coupling, const analysis *analysis, const vibration *open, char *error);
 void coupling_free(coupling *coupling);

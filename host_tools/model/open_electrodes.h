@@ -1,17 +1,18 @@
 /* SPDX-License-Identifier: BSD-2-Clause */
 /*
  * Open electrodes of a vibrating structure: no charge comes to them, so that their voltages follow
- * the displacement u and stiffen the structure,
- *   charge = B'u + C v = 0,   stiffness with open electrodes = K + B C^-1 B'.
- *   B  forces per volt on each open electrode     C  capacitances while the shell cannot deform
- *   v  voltages of the open electrodes            K  stiffness at prescribed voltages
- * Linear solves use the factors of K and the matrix S = C + B' K^-1 B (Woodbury's identity). The
- * negative eigenvalues of the stiffness with open electrodes are those of K less those of S.
+ * the displacement and stiffen the structure. The equations and the matrices C and S of the
+ * electrodes are those of the library (lib/modes/open_matrix.h); here are the choice of the
+ * electrodes and the linear solves of many right-hand sides, K being the matrix at prescribed
+ * voltages.
  */
 #ifndef OPEN_ELECTRODES_H
 #define OPEN_ELECTRODES_H
 
+#include "pzs_modes.h"
 #include "linearised.h"
+
+struct linalg_inertia;
 
 /*
  * Circuits of the electrodes. CIRCUIT_SCENE: electrodes of sensors are open unless the scene says
@@ -25,19 +26,23 @@ typedef enum electrode_circuit { CIRCUIT_SCENE, CIRCUIT_SHORT, CIRCUIT_OPEN } el
 typedef struct open_electrodes {
     const design *design;
     const linearised *about; /* forces of the inputs at a deformed shape; NULL: reference state */
-    size_t count;            /* number of open electrodes and of potentials of bare faces */
-    size_t bare;             /* number of potentials of bare faces among them */
-    size_t inputs, free_dof;
-    int *number;         /* [inputs] index of each input among the open electrodes, or -1 */
-    uint16_t *input;     /* [count] index of the input that is the voltage of each open electrode */
-    double *charge;      /* [count][inputs] charge of each open electrode per unit of each input
-                            while the shell cannot deform */
-    double *response;    /* [count][free_dof] displacement K^-1 B per volt on each open electrode */
-    double *voltage;     /* [count] work array */
-    pzs_envelope held;   /* factors L D L^T of C */
-    pzs_envelope moving; /* factors L D L^T of S */
-    void *memory[4];     /* memory of the entries and of the indices of both matrices */
+    pzs_electrodes all; /* tables of all electrodes; empty where those of the design are used */
+    pzs_modes_electrodes matrix; /* open electrodes, with potentials of bare faces, and their
+                                    matrices */
+    size_t bare;                 /* number of potentials of bare faces among them */
+    size_t free_dof;
+    double *response; /* [matrix.count][free_dof] displacements K^-1 B, per volt on each electrode
+                       */
+    void *memory;     /* memory of the matrices */
 } open_electrodes;
+
+/*
+ * Mark the electrodes of a table that are open in a circuit.
+ *   is_open [tables->count] out  1: open, 0: at a prescribed voltage
+ * Returns the number of open electrodes.
+ */
+uint32_t open_electrodes_mark(const design *design, const pzs_electrodes *tables,
+                              electrode_circuit circuit, uint8_t *is_open);
 
 /*
  * Find the open electrodes of a circuit and factor their capacitances.
@@ -50,12 +55,14 @@ int open_electrodes_build(open_electrodes *open, const design *design, const lin
 void open_electrodes_free(open_electrodes *open);
 
 /*
- * Prepare linear solves for the factors of a matrix K, and count the negative pivots of S.
- *   factor           in  factors of the scaled matrix K
- *   scale [free_dof] in  factors by which rows and columns of K were multiplied
- * Returns the number of negative pivots, or -1 where S is singular.
+ * Prepare linear solves for the factors of a matrix K.
+ *   factor           in      factors of the scaled matrix K
+ *   scale [free_dof] in      factors by which rows and columns of K were multiplied
+ *   inertia          in/out  pivots of K; out: of the matrix with open electrodes. inertia->zero is
+ *                            0 where S is singular
  */
-int open_electrodes_factor(open_electrodes *open, const pzs_envelope *factor, const double *scale);
+void open_electrodes_factor(open_electrodes *open, const pzs_envelope *factor, const double *scale,
+                            struct linalg_inertia *inertia);
 
 /*
  * Turn solutions of linear systems for prescribed voltages (stiffness K) into solutions of the same
@@ -69,18 +76,5 @@ void open_electrodes_correct(const open_electrodes *open, double *vector, size_t
  * open electrodes: B holds the forces per volt on each of them, C their capacitances.
  */
 double open_electrodes_energy(const open_electrodes *open, const double *displacement);
-
-/*
- * Compute the voltages of the open electrodes without charge under a displacement [free_dof], while
- * all inputs are 0; the result is open->voltage.
- */
-void open_electrodes_follow(const open_electrodes *open, const double *displacement);
-
-/*
- * Return the work on a displacement [free_dof] of the force per unit of an input, which is a charge
- * where the input is an open electrode. open->voltage must hold the voltages at this displacement.
- */
-double open_electrodes_work(const open_electrodes *open, uint32_t input,
-                            const double *displacement);
 
 #endif

@@ -10,6 +10,7 @@
 #include <stdlib.h>
 #include <string.h>
 #include "../../lib/modes/eigen.h"
+#include "../../lib/modes/open_matrix.h"
 #include "../../lib/modes/orthogonal.h"
 #include "../../lib/core/linalg.h"
 #include "mass.h"
@@ -116,15 +117,11 @@ static bool assemble(search *search)
  */
 static void add_open_electrodes(search *search, linalg_inertia *inertia)
 {
-    if (inertia->zero >= 0 || search->open.count == 0)
+    if (inertia->zero >= 0)
         return;
-    const int negative = open_electrodes_factor(&search->open, &search->model.state.stiffness,
-                                                search->model.state.scale);
-    search->solves += (int)search->open.count;
-    if (negative < 0)
-        inertia->zero = 0;
-    else
-        inertia->negative -= (uint32_t)negative;
+    open_electrodes_factor(&search->open, &search->model.state.stiffness, search->model.state.scale,
+                           inertia);
+    search->solves += search->open.matrix.count;
 }
 
 /*
@@ -621,12 +618,11 @@ static void take_responses(const search *search, vibration *vibration)
     for (int mode = 0; mode < vibration->count; mode++) {
         const double *vector = vibration->shape + (size_t)mode * search->free_dof;
         double *response = vibration->response + (size_t)mode * inputs;
-        open_electrodes_follow(&search->open, vector);
         for (uint32_t input = 0; input < inputs; input++)
-            response[input] =
-                mode < vibration->rigid
-                    ? (double)NAN
-                    : open_electrodes_work(&search->open, input, vector) / vibration->square[mode];
+            response[input] = linearised_work(search->about, search->design, input, vector) /
+                              (mode < vibration->rigid ? (double)NAN : vibration->square[mode]);
+        if (search->open.matrix.count > 0)
+            pzs_open_matrix_respond(&search->open.matrix, response);
     }
 }
 
@@ -731,7 +727,7 @@ static int search_modes(search *search, vibration *vibration, size_t number, cha
     take_modes(search, vibration);
     take_masses(search, vibration);
     take_responses(search, vibration);
-    vibration->open = (int)search->open.count;
+    vibration->open = search->open.matrix.count;
     vibration->bare = (int)search->open.bare;
     return 0;
 }

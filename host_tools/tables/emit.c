@@ -180,6 +180,18 @@ void emit_shorts(emitter *emitter, const char *name, const uint16_t *value, size
     emit_count_bytes(emitter, value, count * sizeof *value);
 }
 
+void emit_bytes(emitter *emitter, const char *name, const uint8_t *value, size_t count,
+                const char *meaning)
+{
+    emit_comment(emitter, "%s", meaning);
+    fprintf(emitter->file, "static const uint8_t %s_%s[%zu] = {", emitter->prefix, name,
+            count ? count : 1);
+    for (size_t i = 0; i < count; i++)
+        fprintf(emitter->file, "%s%u,", i % 16 == 0 ? "\n    " : " ", value[i]);
+    fputs(count ? "\n};\n" : "0};\n", emitter->file);
+    emit_count_bytes(emitter, value, count);
+}
+
 void emit_longs(emitter *emitter, const char *name, const uint32_t *value, size_t count)
 {
     fprintf(emitter->file, "static const uint32_t %s_%s[%zu] = {", emitter->prefix, name,

@@ -56,6 +56,8 @@ void emit_reals(emitter *emitter, const char *name, const double *value, size_t 
 void emit_shorts(emitter *emitter, const char *name, const uint16_t *value, size_t count,
                  const char *meaning);
 void emit_longs(emitter *emitter, const char *name, const uint32_t *value, size_t count);
+void emit_bytes(emitter *emitter, const char *name, const uint8_t *value, size_t count,
+                const char *meaning);
 
 /*
  * Write voltage limits (V). In single precision they are rounded inwards, so that no voltage

@@ -316,10 +316,20 @@ static void write_structure_struct(const emitter *emitter, const pzs_structure *
     fputs("};\n\n", emitter->file);
 }
 
+/*
+ * Return the tables of the electrodes that a linear or nonlinear image contains; their count is 0
+ * where it needs none.
+ */
+static const pzs_electrodes *table_electrodes(const analysis *analysis)
+{
+    const tables_modes *modes = analysis->device_modes;
+    return modes && modes->open.count > 0 ? modes->open.electrodes : &analysis->design.electrodes;
+}
+
 static void write_structure(emitter *emitter, const analysis *analysis, tables_image image)
 {
     const mesh *mesh = &analysis->design.mesh;
-    const int whole = image == TABLES_NONLINEAR || analysis->design.electrodes.count > 0;
+    const int whole = image == TABLES_NONLINEAR || table_electrodes(analysis)->count > 0;
     compact_types compact = {NULL, NULL};
     if (analysis->is_compact)
         compact_types_make(&compact, mesh);
@@ -355,11 +365,11 @@ static void write_structure(emitter *emitter, const analysis *analysis, tables_i
 /*
  * Write the tables of the electrodes, and the sizes of the workspaces that compute their charges in
  * the undeformed state and at an equilibrium. Nothing is written where the scene has no sensors and
- * asks for no charge.
+ * asks for no charge, and no electrode is open while the structure vibrates.
  */
 static void write_electrodes(emitter *emitter, const analysis *analysis)
 {
-    const pzs_electrodes *tables = &analysis->design.electrodes;
+    const pzs_electrodes *tables = table_electrodes(analysis);
     if (tables->count == 0)
         return;
     const uint32_t entries = tables->direct.start[tables->count],
@@ -367,13 +377,8 @@ static void write_electrodes(emitter *emitter, const analysis *analysis)
     emitter->crc32 = GUARD_CRC_START;
     emit_shorts(emitter, "electrode_input", tables->input, tables->count,
                 "input whose value is the voltage of each electrode");
-    emit_comment(emitter, "1 where the electrode is open, 0 where its voltage is prescribed");
-    fprintf(emitter->file, "static const uint8_t %s_electrode_open[%u] = {", emitter->prefix,
-            tables->count);
-    for (int k = 0; k < tables->count; k++)
-        fprintf(emitter->file, "%u,%s", tables->open[k], k % 16 == 15 ? "\n    " : " ");
-    fputs("};\n", emitter->file);
-    emit_count_bytes(emitter, tables->open, tables->count);
+    emit_bytes(emitter, "electrode_open", tables->open, tables->count,
+               "1 where the electrode is open, 0 where its voltage is prescribed");
     emit_longs(emitter, "electrode_start", tables->direct.start, tables->count + 1u);
     emit_shorts(emitter, "electrode_dof", tables->direct.dof, entries,
                 "inputs that draw charge to each electrode while the shell does not deform");
@@ -628,6 +633,8 @@ static int write_problem(emitter *emitter, const analysis *analysis, tables_imag
             need.work[k] += PZS_CIRCUIT_BYTES(design->electrodes.count, open);                     \
         if (modes)                                                                                 \
             need.work[k] += PZS_MODES_BYTES(structure->free_dof, modes->vectors);                  \
+        if (modes && modes->open.count > 0)                                                        \
+            need.work[k] += PZS_MODES_OPEN_BYTES(structure->free_dof, modes->open.count);          \
         need.stack[k] = PZS_STACK_LINEAR;                                                          \
         if (modes)                                                                                 \
             need.stack[k] = PZS_STACK_MODES;                                                       \
@@ -907,7 +914,7 @@ static void write_influence_size(const emitter *emitter, const analysis *analysi
 {
     const design *design = &analysis->design;
     const pzs_structure structure =
-        design->electrodes.count > 0 ? design->structure : controlled(analysis);
+        table_electrodes(analysis)->count > 0 ? design->structure : controlled(analysis);
     const char *upper = emitter->upper;
     emit_comment(emitter,
                  "size of the matrix that pzs_influence writes: %s_ALL_OUTPUTS rows of "

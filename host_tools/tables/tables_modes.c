@@ -10,35 +10,38 @@
  * Compute the modes about the equilibrium that the nonlinear solver has reached; none if it is
  * unstable.
  */
-static int make_reached(tables_modes *modes, analysis *analysis, int number, char *error)
+static int make_reached(tables_modes *modes, analysis *analysis, electrode_circuit circuit,
+                        int number, char *error)
 {
     if (analysis->equilibrium.solver.info.negative_pivots > 0)
         return 0;
     if (analysis_linearise(analysis, error) < 0)
         return -1;
-    return vibration_solve_at(&modes->reached, &analysis->design, &analysis->about, CIRCUIT_SHORT,
-                              number, MASS_LUMPED, error);
+    return vibration_solve_at(&modes->reached, &analysis->design, &analysis->about, circuit, number,
+                              MASS_LUMPED, error);
 }
 
-int tables_modes_make(tables_modes *modes, analysis *analysis, bool at_equilibrium, int number,
-                      char *error)
+int tables_modes_make(tables_modes *modes, analysis *analysis, electrode_circuit circuit,
+                      bool at_equilibrium, int number, char *error)
 {
     const design *design = &analysis->design;
     memset(modes, 0, sizeof *modes);
     if (mass_tables_make(&modes->mass, design, MASS_LUMPED, error) < 0 ||
-        vibration_solve_at(&modes->vibration, design, NULL, CIRCUIT_SHORT, number, MASS_LUMPED,
-                           error) < 0)
+        open_tables_make(&modes->open, design, circuit, error) < 0 ||
+        vibration_solve_at(&modes->vibration, design, NULL, circuit, number, MASS_LUMPED, error) <
+            0)
         return -1;
     const int count = modes->vibration.count, usual = (int)PZS_MODES_VECTORS(count),
               rigid = modes->vibration.rigid, vectors = usual + rigid;
     modes->vectors = vectors < design->mesh.free_dof ? vectors : design->mesh.free_dof;
     modes->shift = rigid > 0 ? modes->vibration.square[count - 1] : 0;
-    return at_equilibrium ? make_reached(modes, analysis, count, error) : 0;
+    return at_equilibrium ? make_reached(modes, analysis, circuit, count, error) : 0;
 }
 
 void tables_modes_free(tables_modes *modes)
 {
     mass_tables_free(&modes->mass);
+    open_tables_free(&modes->open);
     vibration_free(&modes->vibration);
     vibration_free(&modes->reached);
     memset(modes, 0, sizeof *modes);
@@ -64,6 +67,7 @@ void tables_modes_write(emitter *emitter, const tables_modes *modes, const desig
           "-DPZS_MODES=1\"\n#endif\n",
           emitter->file);
     write_mass(emitter, &modes->mass.tables, design);
+    open_tables_write(emitter, &modes->open, design);
     emit_comment(emitter, "number of vibration modes and of Lanczos vectors, workspace of "
                           "pzs_modes_init, settings.shift of the search");
     fprintf(emitter->file,
@@ -73,8 +77,13 @@ void tables_modes_write(emitter *emitter, const tables_modes *modes, const desig
             upper, modes->vibration.count, upper, modes->vectors, upper, design->mesh.free_dof,
             modes->vectors, upper, modes->shift);
     emit_reals(emitter, "frequency", modes->vibration.frequency, (size_t)modes->vibration.count,
-               "natural frequencies of the undeformed structure at prescribed voltages (Hz where "
-               "the unit of time is the second), as the host computed them in double precision");
+               modes->open.count > 0
+                   ? "natural frequencies of the undeformed structure with these open electrodes "
+                     "(Hz where the unit of time is the second), as the host computed them in "
+                     "double precision"
+                   : "natural frequencies of the undeformed structure at prescribed voltages (Hz "
+                     "where the unit of time is the second), as the host computed them in double "
+                     "precision");
     if (modes->reached.count > 0)
         emit_reals(
             emitter, "reached_frequency", modes->reached.frequency, (size_t)modes->reached.count,

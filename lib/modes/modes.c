@@ -59,6 +59,11 @@ static void divide_workspace(pzs_modes *modes, uint32_t free_dof, void *work)
     modes->info.shape = modes->state.basis;
 }
 
+uint32_t pzs_modes_solve_limit(uint32_t number)
+{
+    return 100u + 20u * number;
+}
+
 pzs_status pzs_modes_init(pzs_modes *modes, pzs_model *model, const pzs_mass *mass, uint16_t number,
                           uint16_t vectors, void *work, size_t bytes)
 {
@@ -80,7 +85,7 @@ pzs_status pzs_modes_init(pzs_modes *modes, pzs_model *model, const pzs_mass *ma
     if (missing >= 0)
         return fail(modes, PZS_E_WORKSPACE, missing);
     modes->settings.tolerance = PZS_BY_BITS((pzs_real)1e-4, (pzs_real)1e-8);
-    modes->settings.solve_limit = 100u + 20u * number;
+    modes->settings.solve_limit = pzs_modes_solve_limit(number);
     modes->info.number = number;
     modes->state.model = model;
     modes->state.mass = mass;
@@ -115,15 +120,18 @@ static int32_t count_below(pzs_modes *modes, pzs_real bound)
     if (assemble_sum(modes, -bound) != PZS_OK)
         return -1;
     pzs_linalg_apply_scale(&model->state.stiffness, model->state.scale);
-    const linalg_inertia inertia = pzs_linalg_factor(&model->state.stiffness);
+    linalg_inertia inertia = pzs_linalg_factor(&model->state.stiffness);
+    if (inertia.zero < 0 && modes->state.open_call)
+        modes->state.open_call->count_open(modes, &inertia);
     return inertia.zero < 0 ? (int32_t)inertia.negative : -1;
 }
 
 /*
- * Scale and factor K + shift M, and estimate its condition number. info.where is set where the
- * matrix cannot be factored.
+ * Scale and factor K + shift M at prescribed voltages, and estimate its condition number.
+ * info.where is set where the matrix cannot be factored. inertia out  its pivots, of which none is
+ * negative where no electrode is open
  */
-static pzs_status factor_shifted(pzs_modes *modes)
+static pzs_status factor_shifted(pzs_modes *modes, linalg_inertia *inertia)
 {
     pzs_model *model = modes->state.model;
     pzs_envelope *matrix = &model->state.stiffness;
@@ -137,11 +145,11 @@ static pzs_status factor_shifted(pzs_modes *modes)
     if (keeps_scale)
         pzs_linalg_apply_scale(matrix, model->state.scale);
     const pzs_real norm = pzs_linalg_norm1(matrix, model->state.work);
-    const linalg_inertia inertia = pzs_linalg_factor(matrix);
-    if (inertia.zero >= 0)
-        return fail(modes, PZS_E_LOOSE, inertia.zero);
-    if (inertia.negative > 0)
-        return fail(modes, PZS_E_NEGATIVE, inertia.first_negative);
+    *inertia = pzs_linalg_factor(matrix);
+    if (inertia->zero >= 0)
+        return fail(modes, PZS_E_LOOSE, inertia->zero);
+    if (inertia->negative > 0 && !modes->state.open_call)
+        return fail(modes, PZS_E_NEGATIVE, inertia->first_negative);
     modes->info.condition = pzs_linalg_condition(matrix, norm, model->state.work);
     return number_is_finite(modes->info.condition) ? PZS_OK : fail(modes, PZS_E_CONDITION, -1);
 }
@@ -194,21 +202,40 @@ static bool settings_in_range(const pzs_modes *modes)
 }
 
 /*
+ * Prepare linear solves with open electrodes.
+ *   inertia in  pivots of K + shift M at prescribed voltages
+ */
+static pzs_status prepare_electrodes(pzs_modes *modes, linalg_inertia *inertia)
+{
+    if (!modes->state.open_call)
+        return PZS_OK;
+    const pzs_status status = modes->state.open_call->prepare_open(modes, inertia);
+    if (status != PZS_OK)
+        return status;
+    if (inertia->zero >= 0)
+        return fail(modes, PZS_E_LOOSE, inertia->zero);
+    return inertia->negative == 0 ? PZS_OK : fail(modes, PZS_E_NEGATIVE, inertia->first_negative);
+}
+
+/*
  * Provide the factors of K + shift M: those that the model holds if the shift is 0 and their
  * condition number is known, otherwise new ones.
  */
 static pzs_status prepare(pzs_modes *modes, uint8_t kept_stage)
 {
     pzs_model *model = modes->state.model;
+    linalg_inertia inertia = {0, -1, -1, 0};
     pzs_status status = PZS_OK;
     if (!settings_in_range(modes))
         return PZS_E_ARGUMENT;
     if (!(modes->settings.shift > 0) && model->state.stage != kept_stage)
         return PZS_E_STAGE;
     if (modes->settings.shift > 0 || modes->state.call->keeps_scale)
-        status = factor_shifted(modes);
+        status = factor_shifted(modes, &inertia);
     else
         modes->info.condition = model->info.condition;
+    if (status == PZS_OK)
+        status = prepare_electrodes(modes, &inertia);
     if (status != PZS_OK)
         return status;
     const int32_t massless = choose_unit(modes);
@@ -248,6 +275,7 @@ static bool count_is_reliable(const pzs_modes *modes, pzs_real distance)
  */
 static pzs_status count_modes(pzs_modes *modes, pzs_real bound, pzs_real distance)
 {
+    linalg_inertia inertia;
     int32_t below = -1;
     for (int i = 0; i < 3 && below < 0; i++) {
         const pzs_real lower = distance * (pzs_real)i / 8;
@@ -255,7 +283,7 @@ static pzs_status count_modes(pzs_modes *modes, pzs_real bound, pzs_real distanc
         modes->info.counts++;
     }
     modes->info.below = (uint16_t)(below < 0 ? 0 : below);
-    return factor_shifted(modes);
+    return factor_shifted(modes, &inertia);
 }
 
 /*
@@ -369,6 +397,8 @@ static void take_modes(pzs_modes *modes)
 {
     const uint32_t n = modes->state.model->state.structure->free_dof;
     pzs_search_restart(modes, modes->info.number, 0);
+    if (modes->state.open_call)
+        (void)modes->state.open_call->hold_open(modes);
     modes->info.rigid = 0;
     for (uint32_t i = 0; i < modes->info.number; i++) {
         pzs_real *shape = modes->state.basis + (size_t)i * n;
@@ -430,6 +460,8 @@ pzs_status pzs_modes_response(const pzs_modes *modes, pzs_real *response)
                 i < modes->info.rigid ? (pzs_real)NAN : work / modes->state.square[i];
         }
     }
+    for (uint32_t i = modes->info.rigid; i < modes->info.number && modes->state.open_call; i++)
+        modes->state.open_call->respond_open(modes, response + (size_t)i * structure->input.count);
     return PZS_OK;
 }
 

@@ -10,6 +10,9 @@
 /* Stages of a search for modes. MODES_FOUND: info.square and info.shape hold the modes. */
 enum { MODES_READY = 1, MODES_FOUND = 2 };
 
+/* Return the default of settings.solve_limit for a number of modes. */
+uint32_t pzs_modes_solve_limit(uint32_t number);
+
 /*
  * Find the lowest modes by the assembly and the linear solves in `call`.
  *   kept_stage in  stage of the model whose factors the search can use if settings.shift is 0; the

@@ -3,7 +3,6 @@
 #include "search.h"
 #include <string.h>
 #include "../core/guard.h"
-#include "../core/linalg.h"
 #include "eigen.h"
 #include "element_mass.h"
 #include "orthogonal.h"
@@ -94,6 +93,14 @@ static pzs_real mass_norm(const pzs_modes *modes)
     return sum > 0 ? PZS_SQRT(sum) : 0;
 }
 
+/* Solve as pzs_modes_calls.solve_force, with the open electrodes. */
+static pzs_status solve(pzs_modes *modes)
+{
+    if (modes->state.open_call)
+        return modes->state.open_call->solve_open(modes);
+    return modes->state.call->solve_force(modes);
+}
+
 /*
  * Apply A to a vector [free_dof]. The result becomes next_vector, and its product with the mass
  * matrix weighted_vector.
@@ -106,7 +113,7 @@ static pzs_status apply(pzs_modes *modes, const pzs_real *vector)
         return PZS_E_MODES;
     pzs_search_multiply(modes, vector, weighted_vector(modes));
     modes->info.linear_solves++;
-    const pzs_status status = modes->state.call->solve_force(modes);
+    const pzs_status status = solve(modes);
     if (status != PZS_OK)
         return status;
     for (uint32_t i = 0; i < n; i++)

@@ -11,6 +11,7 @@
 #define PZS_LIB_SEARCH_H
 
 #include "pzs_modes.h"
+#include "../core/linalg.h"
 
 #if PZS_MODES
 
@@ -48,6 +49,40 @@ struct pzs_modes_calls {
      */
     void (*fix_matrix)(pzs_modes *modes);
     void (*fix_product)(const pzs_modes *modes, pzs_real *product);
+};
+
+/*
+ * What the search asks of open electrodes (open_electrodes.c). The table is present in a program
+ * that calls pzs_modes_open_electrodes alone. In the comments A is the matrix K + shift M at
+ * prescribed voltages.
+ */
+struct pzs_modes_open_calls {
+    /*
+     * Prepare linear solves, with the factors of A in the model. Returns PZS_OK or the error of a
+     * linear solve.
+     *   inertia in/out  pivots of A; out: of the matrix with open electrodes
+     */
+    pzs_status (*prepare_open)(pzs_modes *modes, linalg_inertia *inertia);
+    /*
+     * Turn the pivots of K - bound M, whose factors the model holds, into those of the matrix with
+     * open electrodes. Overwrites the capacitances that hold_open has factored, which energy_open
+     * and respond_open need.
+     */
+    void (*count_open)(pzs_modes *modes, linalg_inertia *inertia);
+    /* Solve with open electrodes; force, displacement and errors as in pzs_modes_calls. */
+    pzs_status (*solve_open)(pzs_modes *modes);
+    /* Factor the capacitances. Returns PZS_OK, PZS_E_NONFINITE or PZS_E_CAPACITANCE. */
+    pzs_status (*hold_open)(pzs_modes *modes);
+    /*
+     * Return twice the electric energy that a displacement [free_dof] stores in the open
+     * electrodes. Overwrites the first vector of the work array of the model.
+     */
+    pzs_real (*energy_open)(const pzs_modes *modes, const pzs_real *displacement);
+    /*
+     * Turn static modal coordinates at prescribed voltages into those with open electrodes.
+     *   response [inputs] in/out
+     */
+    void (*respond_open)(const pzs_modes *modes, pzs_real *response);
 };
 
 /* Begin a search with an empty basis. */

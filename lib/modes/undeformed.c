@@ -80,8 +80,9 @@ static pzs_real spring_energy(const pzs_structure *structure, const pzs_real *di
 }
 
 /*
- * Squared angular frequency of a mode shape by its strain energy, where the tables hold the element
- * types. Unlike x'K x, this sum of squares has almost no rounding errors for a rigid motion.
+ * Squared angular frequency of a mode shape by its strain and electric energy, where the tables
+ * hold the element types. Unlike x'K x, this sum of squares has almost no rounding errors for a
+ * rigid motion.
  */
 static pzs_real squared_frequency(const pzs_modes *modes, const pzs_real *shape, pzs_real ritz)
 {
@@ -90,6 +91,8 @@ static pzs_real squared_frequency(const pzs_modes *modes, const pzs_real *shape,
     if (!pzs_structure_has_types(structure))
         return ritz;
     pzs_real sum = spring_energy(structure, shape);
+    if (modes->state.open_call)
+        sum += modes->state.open_call->energy_open(modes, shape);
     for (uint32_t element = 0; element < structure->elements; element++) {
         pzs_real local[SHELL_MAX];
         pzs_model_gather(model, structure->element[element], SHELL_NODES, shape, local);

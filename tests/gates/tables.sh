@@ -200,6 +200,10 @@ int main(void)
     if (status == PZS_OK) status = pzs_factor(&model);
     if (status == PZS_OK)
         status = pzs_modes_init(&modes, &model, &t_mass, T_MODES, T_MODES_VECTORS, modes_work, sizeof modes_work);
+#ifdef T_MODES_OPEN
+    static pzs_real open_work[T_MODES_OPEN_BYTES / sizeof(pzs_real) + 1];
+    if (status == PZS_OK) status = pzs_modes_open_electrodes(&modes, &t_electrodes, t_modes_open, open_work, sizeof open_work);
+#endif
     modes.settings.shift = T_MODES_SHIFT;
     if (status == PZS_OK) status = pzs_modes_find(&modes);
     printf("%s\n", pzs_status_text(status));
@@ -213,19 +217,26 @@ int main(void)
     return status != PZS_OK;
 }
 EOT
-# with_modes IMAGE KINEMATICS BITS...: header of the image, program that compares the frequencies, and its run for each precision
+# with_modes CIRCUIT IMAGE KINEMATICS BITS...: header of the image, program that compares the frequencies, and its run for each
+# precision; CIRCUIT: as --electrodes
 with_modes() {
+    circuit=$1
+    shift
     "$PZS" tables plate-50-patches --quasi-static --set kinematics="$2" --set mesh.theta1.elements=5 --set mesh.theta2.elements=5 --image "$1" \
-        --compact --modes 6 --prefix t -o "$scratch/t.h" >"$scratch/told" 2>"$scratch/found" || return 1
+        --compact --modes 6 --electrodes "$circuit" --set materials.G1195.permittivity=7.3e-9 --prefix t -o "$scratch/t.h" >"$scratch/told" 2>"$scratch/found" || return 1
     cp "$scratch/modes.c" "$scratch/program.c"
     shift 2
     ! compile 64 || return 1
     for bits in "$@"; do compile "$bits" -DPZS_MODES=1 && "$scratch/program" >"$scratch/found" || return 1; done
 }
-with_modes linear linear 64 32
+with_modes short linear linear 64 32
 tap $? 'linear image with modes: the frequencies in its header'
-with_modes nonlinear nonlinear 64
+with_modes short nonlinear nonlinear 64
 tap $? 'nonlinear image with modes: the frequencies in its header'
+with_modes open linear linear 64 32
+tap $? 'linear image with modes and open electrodes: the frequencies in its header'
+with_modes open nonlinear nonlinear 64
+tap $? 'nonlinear image with modes and open electrodes: the frequencies in its header'
 
 # The committed example is what the program writes today.
 "${MAKE:-make}" --no-print-directory -s -n example-table | sed 's|-o [^ ]*|-o '"$scratch/example.h"'|' >"$scratch/command"

@@ -12,6 +12,7 @@
 #include "../../host_tools/model/mass.h"
 #include "../../host_tools/model/vibration.h"
 #include "../../host_tools/tables/mass_tables.h"
+#include "../../host_tools/tables/open_tables.h"
 
 typedef struct inside {
     scene scene;
@@ -235,12 +236,28 @@ void bridge_modes_close(bridge_modes *modes)
 
 typedef struct inside_mass {
     mass_tables tables;
+    open_tables open;
     linearised about;
     vibration vibration;
 } inside_mass;
 
-int bridge_mass_open(bridge_mass *mass, const bridge *tables, int modes, char *error)
+static void fill_electrodes(bridge_mass *mass, const open_tables *open)
 {
+    const pzs_electrodes *tables = open->electrodes;
+    mass->electrodes = tables->count;
+    mass->open = (int)open->count;
+    mass->electrode_input = tables->input;
+    mass->electrode_open = tables->open;
+    mass->is_open = open->is_open;
+    if (mass->electrodes > 0)
+        mass->direct = (bridge_rows){tables->direct.count, tables->direct.start, tables->direct.dof,
+                                     tables->direct.value};
+}
+
+int bridge_mass_open(bridge_mass *mass, const bridge *tables, bridge_circuit circuit, int modes,
+                     char *error)
+{
+    const electrode_circuit host = (electrode_circuit)circuit;
     inside *in = tables->inside;
     inside_mass *own = calloc(1, sizeof *own);
     const bool is_loaded = in->analysis.is_nonlinear && !in->is_unsolved;
@@ -249,9 +266,11 @@ int bridge_mass_open(bridge_mass *mass, const bridge *tables, int modes, char *e
     if (!own || mass_tables_make(&own->tables, &in->analysis.design, MASS_LUMPED, error) < 0 ||
         (is_loaded &&
          !linearised_take(&own->about, &in->analysis.design, &in->analysis.equilibrium.solver)) ||
+        open_tables_make(&own->open, &in->analysis.design, host, error) < 0 ||
         vibration_solve_at(&own->vibration, &in->analysis.design, is_loaded ? &own->about : NULL,
-                           CIRCUIT_SHORT, modes, MASS_LUMPED, error) < 0)
+                           host, modes, MASS_LUMPED, error) < 0)
         return -1;
+    fill_electrodes(mass, &own->open);
     mass->types = own->tables.tables.types;
     mass->element_type = own->tables.element_type;
     mass->matrix = own->tables.matrix;
@@ -268,6 +287,7 @@ void bridge_mass_close(bridge_mass *mass)
     inside_mass *own = mass->inside;
     if (own) {
         mass_tables_free(&own->tables);
+        open_tables_free(&own->open);
         linearised_free(&own->about);
         vibration_free(&own->vibration);
     }

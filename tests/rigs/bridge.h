@@ -99,6 +99,9 @@ typedef struct bridge_modes {
 int bridge_modes_open(bridge_modes *mode_tables, const bridge *tables, int modes, char *error);
 void bridge_modes_close(bridge_modes *modes);
 
+/* Circuits of the electrodes while a structure vibrates, in the order of electrode_circuit. */
+typedef enum bridge_circuit { BRIDGE_SCENE, BRIDGE_SHORT, BRIDGE_OPEN } bridge_circuit;
+
 /* Mass tables of a scene (pzs_mass), and what the host finds with them, in double. */
 typedef struct bridge_mass {
     int types, rigid, count;
@@ -107,6 +110,12 @@ typedef struct bridge_mass {
     double *square;               /* [count] squared angular frequencies (rad^2/s^2) */
     double *shape;                /* [count][dof] mode shapes of unit modal mass */
     double *response;             /* [count][inputs] static value of each modal coordinate */
+    int electrodes;               /* number of electrodes in pzs_electrodes; 0: none is open */
+    int open; /* number of electrodes that are open while the structure vibrates */
+    const uint16_t *electrode_input;
+    const uint8_t *electrode_open; /* whether each electrode is open by the scene */
+    const uint8_t *is_open;        /* [electrodes] whether each is open in the circuit */
+    bridge_rows direct;
     void *inside;
 } bridge_mass;
 
@@ -114,7 +123,8 @@ typedef struct bridge_mass {
  * Build the mass tables of a scene with densities, and compute its lowest modes on the host; about
  * the equilibrium where the scene is nonlinear. Returns 0, or -1 with a message in error [400].
  */
-int bridge_mass_open(bridge_mass *mass, const bridge *tables, int modes, char *error);
+int bridge_mass_open(bridge_mass *mass, const bridge *tables, bridge_circuit circuit, int modes,
+                     char *error);
 void bridge_mass_close(bridge_mass *mass);
 
 /*

@@ -14,120 +14,9 @@
 #include <cmocka.h>
 #include "../../lib/core/linalg.h"
 #include "../../lib/model/shell.h"
-#include "../rigs/rounded.h"
+#include "../rigs/modes_device.h"
 
-#define IS_FLOAT (PZS_REAL_BITS == 32)
 #define SHELL "tests/rigs/scenes/shell.yaml"
-
-/* ---- a device: the tables rounded to the working precision ------------ */
-
-typedef struct device {
-    bridge bridge;
-    bridge_mass host;
-    pzs_structure structure;
-    pzs_mass mass;
-    pzs_model model;
-    pzs_modes modes;
-    pzs_real *owned[ROUNDED_ARRAYS], *matrix;
-    void *work, *modes_work;
-    size_t bytes, modes_bytes;
-} device;
-
-enum { MOST_CHANGES = 12 };
-
-/* Split "key=value;key=value" in place into at most MOST_CHANGES changes. Returns their number. */
-static int split(char *text, const char *change[MOST_CHANGES])
-{
-    int count = 0;
-    for (char *at = strtok(text, ";"); at && count < MOST_CHANGES; at = strtok(NULL, ";"))
-        change[count++] = at;
-    return count;
-}
-
-/*
- * Open a scene on the device without looking for modes.
- *   is_solved in  whether the host finds the equilibrium of the scene and its modes there
- */
-static void device_open_at(device *d, const char *scene, const char *changes, int number,
-                           size_t vectors, bool is_solved)
-{
-    char error[400] = "", text[2000];
-    const char *change[MOST_CHANGES];
-    memset(d, 0, sizeof *d);
-    snprintf(text, sizeof text, "%s", changes);
-    const int sets = split(text, change);
-    const int failed = is_solved ? bridge_open(&d->bridge, scene, change, sets, error)
-                                 : bridge_open_unsolved(&d->bridge, scene, change, sets, error);
-    if (failed < 0 || bridge_mass_open(&d->host, &d->bridge, number, error) < 0)
-        fail_msg("%s", error);
-    const bridge *b = &d->bridge;
-    const size_t corners = 4 * (size_t)b->dof_per_node;
-    round_structure(b, &d->structure, d->owned);
-    d->matrix = rounded(d->host.matrix, (size_t)d->host.types * SHELL_PACKED(corners));
-    d->mass.types = (uint16_t)d->host.types;
-    d->mass.element_type = d->host.element_type;
-    d->mass.matrix = d->matrix;
-    assert_int_equal(pzs_mass_seal(&d->mass, &d->structure), PZS_OK);
-    d->bytes = PZS_MODEL_BYTES(b->dof, pzs_linalg_reals(b->first_column, (uint32_t)b->dof));
-    d->work = malloc(d->bytes);
-    d->modes_bytes = PZS_MODES_BYTES(b->dof, vectors);
-    d->modes_work = malloc(d->modes_bytes);
-    assert_true(d->work && d->modes_work);
-    assert_int_equal(pzs_model_init(&d->model, &d->structure, d->work, d->bytes), PZS_OK);
-    assert_int_equal(pzs_assemble(&d->model, NULL, NULL), PZS_OK);
-    assert_int_equal(pzs_modes_init(&d->modes, &d->model, &d->mass, (uint16_t)number,
-                                    (uint16_t)vectors, d->modes_work, d->modes_bytes),
-                     PZS_OK);
-}
-
-static void device_open(device *d, const char *scene, const char *changes, int number,
-                        size_t vectors)
-{
-    device_open_at(d, scene, changes, number, vectors, false);
-}
-
-static void device_close(device *d)
-{
-    bridge_mass_close(&d->host);
-    bridge_close(&d->bridge);
-    for (int k = 0; k < ROUNDED_ARRAYS; k++)
-        free(d->owned[k]);
-    free(d->matrix);
-    free(d->work);
-    free(d->modes_work);
-}
-
-/* Find the modes: from the factor of the stiffness matrix, or with a shift. */
-static pzs_status find(device *d, double shift)
-{
-    d->modes.settings.shift = (pzs_real)shift;
-    const pzs_status status = shift > 0 ? PZS_OK : pzs_factor(&d->model);
-    return status == PZS_OK ? pzs_modes_find(&d->modes) : status;
-}
-
-static void open_and_find(device *d, const char *scene, const char *changes, int number,
-                          double shift)
-{
-    device_open(d, scene, changes, number, PZS_MODES_VECTORS(number));
-    const pzs_status status = find(d, shift);
-    if (PZS_IS_ERROR(status))
-        fail_msg("%s %s: %s (%d)", scene, changes, pzs_status_text(status), d->modes.info.where);
-}
-
-static double square_of(const device *d, int i)
-{
-    return (double)d->modes.info.square[i];
-}
-
-/*
- * Bound of the relative rounding error of a squared frequency, the sum over the elements of 88
- * products of strains: errors of random sign add up to the root of their number, and each product
- * has several.
- */
-static double rounding_of(const device *d)
-{
-    return 4 * (double)PZS_EPSILON * sqrt(88.0 * d->bridge.elements);
-}
 
 /* Product x' M y of two vectors over the free dof with the mass matrix in double. */
 static double mass_product(const device *d, const double *x, const double *y)
@@ -724,54 +613,6 @@ static void test_thin(void **state)
 
 /* ---- about an equilibrium --------------------------------------------- */
 
-/* A device with an equilibrium solver. */
-typedef struct bent_device {
-    device device;
-    pzs_nonlinear tables;
-    pzs_solver solver;
-    pzs_real *given, *value, *motion;
-    void *work;
-} bent_device;
-
-static void round_path(bent_device *d)
-{
-    const bridge *b = &d->device.bridge;
-    d->given = rounded(b->given_value, 10 * (size_t)b->given_values);
-    d->value = rounded(b->full_input, (size_t)b->input.count);
-    d->motion = rounded(b->motion_value, (size_t)b->motions);
-    d->tables.resultants =
-        (pzs_prescribed_resultants){(uint16_t)b->given_values, b->given_start, b->given_element,
-                                    b->given_which, (const pzs_real(*)[10])(const void *)d->given};
-    d->tables.prescribed = (pzs_prescribed_motion){(uint16_t)b->motions, (uint16_t)b->motion_input,
-                                                   b->motion_dof, d->motion};
-    assert_int_equal(pzs_nonlinear_seal(&d->tables, &d->device.structure), PZS_OK);
-}
-
-/* Open a nonlinear scene and find its equilibrium. Returns the status of pzs_equilibrium. */
-static pzs_status bent_open(bent_device *d, const char *scene, const char *changes, int number)
-{
-    memset(d, 0, sizeof *d);
-    device_open_at(&d->device, scene, changes, number, PZS_MODES_VECTORS(number), true);
-    const bridge *b = &d->device.bridge;
-    const size_t bytes = PZS_SOLVER_BYTES(b->dof, b->elements, b->input.count);
-    round_path(d);
-    d->work = malloc(bytes);
-    assert_non_null(d->work);
-    assert_int_equal(pzs_solver_init(&d->solver, &d->device.model, &d->tables, d->work, bytes),
-                     PZS_OK);
-    d->solver.settings.tolerance = (pzs_real)(IS_FLOAT ? 1e-5 : b->tolerance);
-    return pzs_equilibrium(&d->solver, d->value);
-}
-
-static void bent_close(bent_device *d)
-{
-    free(d->given);
-    free(d->value);
-    free(d->motion);
-    free(d->work);
-    device_close(&d->device);
-}
-
 #define STRIP "tests/rigs/scenes/stretched-strip.yaml"
 #define BENT "kinematics=nonlinear;layers.0.thickness=0.5;mesh.theta1.elements=6;" CANTILEVER
 #define PULLED                                                                                     \
@@ -799,7 +640,7 @@ static void test_equilibrium(void **state)
         bent_device d;
         if (IS_FLOAT && c->needs_double)
             continue;
-        assert_int_equal(bent_open(&d, c->scene, c->changes, c->number), PZS_OK);
+        assert_int_equal(bent_open(&d, c->scene, c->changes, BRIDGE_SHORT, c->number), PZS_OK);
         pzs_modes *modes = &d.device.modes;
         modes->settings.shift = (pzs_real)c->shift;
         const pzs_status status = pzs_modes_find_at(modes, &d.solver);
@@ -826,7 +667,7 @@ static void test_influence_after(void **state)
     assert_int_equal(bent_open(&d, SHELL,
                                BENT "loads=[{line: theta1+, u3: 2e7}];outputs=[{name: "
                                     "tip, u3: middle, at: {theta1: 10, theta2: 5}}]",
-                               4),
+                               BRIDGE_SHORT, 4),
                      PZS_OK);
     pzs_real before, after;
     assert_int_equal(d.device.bridge.input.count * d.device.bridge.output.count, 1);
@@ -847,7 +688,7 @@ static void test_unstable(void **state)
     bent_device d;
     if (IS_FLOAT) /* The thin strip is too ill-conditioned for unrefined solves in float. */
         return;
-    assert_int_equal(bent_open(&d, STRIP, "", 6), PZS_OK);
+    assert_int_equal(bent_open(&d, STRIP, "", BRIDGE_SHORT, 6), PZS_OK);
     for (int j = 0; j < d.device.bridge.input.count; j++)
         d.value[j] /= -12; /* Heated by 5 K instead of cooled by 60 K, the strip buckles. */
     assert_int_equal(pzs_equilibrium(&d.solver, d.value), PZS_W_UNSTABLE);
@@ -867,7 +708,8 @@ static void test_no_equilibrium(void **state)
 {
     (void)state;
     bent_device d;
-    assert_int_equal(bent_open(&d, SHELL, BENT "loads=[{line: theta1+, u3: 2e7}]", 2), PZS_OK);
+    assert_int_equal(bent_open(&d, SHELL, BENT "loads=[{line: theta1+, u3: 2e7}]", BRIDGE_SHORT, 2),
+                     PZS_OK);
     pzs_model other = d.device.model;
     assert_int_equal(pzs_modes_find_at(NULL, &d.solver), PZS_E_ARGUMENT);
     assert_int_equal(pzs_modes_find_at(&d.device.modes, NULL), PZS_E_ARGUMENT);
