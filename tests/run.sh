@@ -82,6 +82,7 @@ part figures 'sh tests/bench/figures.sh'
 part scipy 'sh tests/oracle/boxls.sh'
 part scipy-curves "/usr/bin/python3 tests/oracle/curves.py $B/pzs"
 part integrators 'sh tests/oracle/modal_gains.sh'
+part matrix-errors 'sh tests/oracle/matrix_errors.sh'
 part rivals 'sh tests/oracle/rivals.sh'
 part exact-modes 'sh tests/oracle/exact_modes.sh'
 part gates 'sh tests/oracle/sensor_gate.sh'

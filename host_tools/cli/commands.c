@@ -280,10 +280,12 @@ const option_entry option_table[OPTIONS] = {
                        "how many modes, 1 to 200; default 10; of calibrate --vibration at most "
                        "20, default 5"},
     [OPTION_ELECTRODES] =
-        {"--electrodes", NULL, "CIRCUIT", ARGUMENT_CHOICE, circuits, BIT(COMMAND_MODES),
+        {"--electrodes", NULL, "CIRCUIT", ARGUMENT_CHOICE, circuits,
+         BIT(COMMAND_MODES) | BIT(COMMAND_TABLES),
          "circuit of all electrodes while the structure vibrates: open or short; default: sensors "
-         "as the scene says, amplifiers short. Where electrodes are open, the short-circuit "
-         "frequencies and coupling factors are printed, too"},
+         "as the scene says, amplifiers short. Where electrodes are open, modes prints the "
+         "short-circuit frequencies and coupling factors, too; with tables --modes the firmware "
+         "opens them on the device"},
     [OPTION_CSV] =
         {"--csv", NULL, "FILE.csv", ARGUMENT_FILE, NULL, BIT(COMMAND_SIMULATE),
          "a line a tick: tick, time (s), error and vibration of the shape over the scene's "

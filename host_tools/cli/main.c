@@ -1,96 +1,39 @@
 /* SPDX-License-Identifier: BSD-2-Clause */
 /*
- * The program pzs: simulation and precomputation on the host, with one function for each command.
+ * The program pzs: reads the command line and runs a command. The longer commands have files of
+ * their own, command_NAME.c.
  */
 #define _POSIX_C_SOURCE 200809L
-#include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 #include <sys/stat.h>
+#include "../fmu/fmu.h"
 #include "../model/certificate_make.h"
-#include "../model/loaded.h"
-#include "../model/design_build.h"
-#include "../model/follow_path.h"
+#include "../scene/scene_migrate.h"
 #include "../simulate/certify.h"
+#include "../simulate/certify_matrix.h"
+#include "../system/interrupt.h"
+#include "../system/progress.h"
 #include "../tables/tables_modes.h"
 #include "command_calibrate.h"
-#include "export.h"
-#include "../fmu/fmu.h"
+#include "command_modes.h"
+#include "command_parts.h"
+#include "command_shape.h"
+#include "command_simulate.h"
+#include "command_solve.h"
 #include "help.h"
 #include "keys.h"
 #include "loop_safety.h"
-#include "schema.h"
-#include "../system/interrupt.h"
 #include "manual.h"
-#include "../model/mesh_measure.h"
-#include "../scene/scene_migrate.h"
-#include "options.h"
+#include "matrix_safety.h"
 #include "outfile.h"
-#include "print.h"
-#include "print_path.h"
-#include "print_simulate.h"
+#include "print_check.h"
 #include "print_vibration.h"
-#include "../system/progress.h"
-#include "../report/report.h"
-#include "../vtk/vtk.h"
+#include "schema.h"
 #include "templates.h"
-#include "../model/voltages.h"
-
-/* Print an error message. Returns the exit code `code`. */
-static int complain(const char *error, int code)
-{
-    progress_stop();
-    fprintf(stderr, "pzs: %s\n", error);
-    return code;
-}
 
 /* ---- scenes ----------------------------------------------------------- */
-
-/* Print that a shipped scene does not exist, with the most similar name. Returns an exit code. */
-static int no_scene(const char *name)
-{
-    suggestion near;
-    char text[SUGGEST_TEXT];
-    shipped_suggest(&near, name);
-    fprintf(stderr,
-            "pzs: no shipped scene '%s'%s; see pzs list; a file needs its ending, as %s.yaml\n",
-            name, suggest_text(&near, text), name);
-    return OPTIONS_WRONG;
-}
-
-/*
- * Find the file of a scene that is given as a path or as the name of a shipped scene. Returns an
- * exit code.
- */
-static int find_scene(const options *options, char path[OPTIONS_PATH])
-{
-    struct stat there;
-    shipped_path(options->scene, path);
-    if (shipped_is_name(options->scene) && stat(path, &there) != 0)
-        return no_scene(options->scene);
-    return 0;
-}
-
-static int open_scene(const options *options, scene *scene)
-{
-    char path[OPTIONS_PATH], error[SCENE_ERROR];
-    const int status = find_scene(options, path);
-    if (status)
-        return status;
-    return scene_read(scene, path, options->set, options->sets, error) == 0
-               ? 0
-               : complain(error, OPTIONS_WRONG);
-}
-
-/*
- * Exit code of a failed analysis: the nonlinear load steps ended early, or the scene contains an
- * error.
- */
-static int failed_code(const analysis *analysis)
-{
-    return analysis_ended_early(analysis) ? 1 : OPTIONS_WRONG;
-}
 
 /*
  * Refuse sensors from which the shape cannot be estimated, before any other computation. Returns 0,
@@ -145,573 +88,6 @@ static int run_on_scene(const options *options, command *run)
     return status;
 }
 
-/* ---- discretisation error ---------------------------------------------- */
-
-/*
- * Estimate the discretisation error of results where the options ask for it. Returns 0, or an exit
- * code after printing an error message.
- */
-static int estimate_error(const options *options, const scene *scene, const mesh_values *values,
-                          mesh_measure *measure, const void *context, mesh_error *result)
-{
-    char error[SCENE_ERROR];
-    if (!options->estimates_error)
-        return 0;
-    progress_stage("coarser meshes");
-    if (mesh_error_make(result, scene, values, measure, context, error) < 0)
-        return complain(error, OPTIONS_WRONG);
-    return 0;
-}
-
-/* ---- reports ---------------------------------------------------------- */
-
-/*
- * Function that writes one report (an HTML page or an SVG picture) of the results of a command.
- * Returns 0, or -1.
- */
-typedef int write_report(const report_job *job, const void *result);
-
-/* Write the HTML page and the SVG picture that the options request. Returns an exit code. */
-static int write_reports(const options *options, write_report *write, const void *result)
-{
-    const char *const path[2] = {options->report, options->svg};
-    int status = 0;
-    for (int k = 0; k < 2 && status == 0; k++) {
-        outfile output;
-        if (!path[k])
-            continue;
-        status = outfile_begin(&output, path[k]);
-        if (status)
-            break;
-        const report_job job = {output.file, k == 1, options->words, options->words_given};
-        status = outfile_end(&output, write(&job, result));
-    }
-    return status;
-}
-
-/* ---- solve ------------------------------------------------------------ */
-
-/*
- * Solution of a scene under its loads: displacement vector [free_dof], the values of all outputs of
- * the scene computed from it, and the stresses recovered from it, or NULL where the user has not
- * asked for them.
- */
-typedef struct solution {
-    const analysis *analysis;
-    const double *displacement, *value;
-    const stress_field *stress;
-} solution;
-
-static int write_solve(const report_job *job, const void *result)
-{
-    const solution *solution = result;
-    return report_solve(job, solution->analysis, solution->displacement, solution->value,
-                        solution->stress);
-}
-
-static int write_vtu(const vtk_solution *solution, const char *path)
-{
-    outfile output;
-    if (outfile_begin(&output, path))
-        return 1;
-    return outfile_end(&output, vtk_write_solution(output.file, solution));
-}
-
-/* Estimate the discretisation error of the outputs. Returns an exit code. */
-static int solve_error(const options *options, analysis *analysis, const double *value)
-{
-    mesh_values values = {.count = 0};
-    mesh_values_add_outputs(&values, analysis, value);
-    return estimate_error(options, analysis->design.scene, &values,
-                          options->follows_path ? mesh_measure_path : mesh_measure_solve,
-                          &options->branch, &analysis->mesh_error);
-}
-
-/*
- * Add plausibility warnings where the equilibrium is unstable or depends on the number of load
- * steps.
- */
-static void check_path(analysis *analysis, const double *displacement)
-{
-    const int is_followed = analysis->load_path.points > 0;
-    const int is_reached = !PZS_IS_ERROR(analysis->status);
-    progress_stage("load path");
-    double difference = (double)NAN, load_factor = 1;
-    if (is_reached && !is_followed)
-        difference = analysis_path_difference(analysis, displacement, &load_factor);
-    plausible_path(&analysis->warnings, analysis->design.scene, difference, load_factor,
-                   analysis->equilibrium.solver.info.negative_pivots);
-}
-
-/*
- * Print the displacements, forces and voltages of a structure under its loads (command solve) and
- * write them to the files that the options name. Returns an exit code.
- */
-static int write_solution(const options *options, analysis *analysis, solution *result)
-{
-    int status = 0;
-    (options->as_json ? print_solve_json : print_solve)(analysis, result->displacement,
-                                                        result->value, result->stress);
-    if (options->vtu)
-        status = write_vtu(&(vtk_solution){.analysis = result->analysis,
-                                           .displacement = result->displacement,
-                                           .voltage = result->analysis->input_value,
-                                           .stress = result->stress},
-                           options->vtu);
-    if (status == 0)
-        status = write_reports(options, write_solve, result);
-    return status == 0 ? export_solve(options, analysis, result->displacement, result->value,
-                                      result->stress)
-                       : status;
-}
-
-/*
- * Compute the stresses that belong to a displacement of the structure, and write the result of `pzs
- * solve` with both, the displacement and the stresses.
- */
-static int write_stressed(const options *options, analysis *analysis, solution *result)
-{
-    stress_field field;
-    int status = analysis_stresses(analysis, result->displacement, &field) < 0
-                     ? complain("out of memory", 1)
-                     : 0;
-    result->stress = &field;
-    if (status == 0)
-        plausible_stress(&analysis->warnings, &field);
-    if (status == 0)
-        status = write_solution(options, analysis, result);
-    stress_free(&field);
-    return status;
-}
-
-static int solved(const options *options, analysis *analysis, const double *displacement)
-{
-    const pzs_structure *structure = &analysis->design.structure;
-    double *value = calloc((size_t)structure->output.count + 1, sizeof *value);
-    solution result = {analysis, displacement, value, NULL};
-    if (!value)
-        return complain("out of memory", 1);
-    pzs_observe(structure, displacement, value);
-    plausible_result(&analysis->warnings, &analysis->design.mesh, displacement,
-                     !analysis->is_nonlinear, "the solution");
-    if (analysis->is_nonlinear)
-        check_path(analysis, displacement);
-    int status = solve_error(options, analysis, value);
-    progress_stop();
-    if (status == 0)
-        status = (options->recovers_stress ? write_stressed : write_solution)(options, analysis,
-                                                                              &result);
-    free(value);
-    return status;
-}
-
-/*
- * Compute the displacement of the scene, along the load path where the options ask for it. Returns
- * 0, or an exit code after printing an error message.
- */
-static int solve_scene(const options *options, analysis *analysis, double *displacement)
-{
-    char error[SCENE_ERROR];
-    if (!options->follows_path)
-        return analysis_solve(analysis, displacement, error) == 0 ? 0 : complain(error, 1);
-    if (load_path_follow_branch(&analysis->load_path, analysis, options->branch, error) < 0)
-        return complain(error, OPTIONS_WRONG);
-    if (!analysis->load_path.is_complete) {
-        progress_stop();
-        (options->as_json ? print_ended_path_json : print_load_path)(analysis,
-                                                                     &analysis->load_path);
-        return complain(error, 1);
-    }
-    return analysis_continue(analysis, displacement, error) == 0 ? 0 : complain(error, 1);
-}
-
-static int command_solve(const options *options, analysis *analysis)
-{
-    char error[SCENE_ERROR];
-    if (analysis_needs_structure(analysis, "pzs solve", error) < 0)
-        return complain(error, OPTIONS_WRONG);
-    double *displacement = calloc((size_t)analysis->design.mesh.free_dof, sizeof *displacement);
-    progress_stage(analysis->is_nonlinear ? "equilibrium" : "solving");
-    progress_solves(analysis->is_nonlinear ? &analysis->equilibrium.solver.info.linear_solves
-                                           : NULL);
-    const int failed =
-        displacement ? solve_scene(options, analysis, displacement) : complain("out of memory", 1);
-    /* Nonlinear load steps that end early still provide an equilibrium, which is printed. */
-    const int has_shape = !failed || (analysis->is_nonlinear && !options->follows_path);
-    const int status = displacement && has_shape ? solved(options, analysis, displacement) : 0;
-    free(displacement);
-    return failed ? failed : status;
-}
-
-/* ---- shape ------------------------------------------------------------ */
-
-/* Compute the displacements and the shape error of a scene with all voltages zero. */
-static int shape_before(shape_run *run, char *error)
-{
-    const design *design = &run->analysis->design;
-    double *none = calloc((size_t)design->amplifiers, sizeof *none);
-    const int failed = none
-                           ? voltages_given(run->analysis, "no voltages", none, &run->before, error)
-                           : scene_fault(design->limits.at, error, "out of memory");
-    free(none);
-    return failed;
-}
-
-/* Compute the voltages of all results of `pzs shape`, in the order of shape_run.results. */
-static int shape_results(shape_run *run, const options *options, char *error)
-{
-    analysis *analysis = run->analysis;
-    const design *design = &analysis->design;
-    const common_limits own = {.source = LIMITS_SCENE}, none = {.source = LIMITS_NONE};
-    const common_limits *limit = options->limits ? options->limit : &own;
-    const int limits = options->limits ? options->limits : 1;
-    const size_t most = 1 + 4 * (size_t)limits + (size_t)design->compares;
-    run->results = calloc(most, sizeof *run->results);
-    if (!run->results)
-        return scene_fault(design->limits.at, error, "%zu sets of voltages do not fit into memory",
-                           most);
-    progress_stage("voltages");
-    if (shape_before(run, error) < 0 ||
-        voltages_optimum(analysis, none, &run->results[run->count++], error) < 0)
-        return -1;
-    for (int i = 0; i < limits; i++) {
-        progress_count(i, limits);
-        if (voltages_optimum(analysis, limit[i], &run->results[run->count++], error) < 0 ||
-            (analysis->is_nonlinear &&
-             voltages_linear(analysis, limit[i], &run->results[run->count++], error) < 0) ||
-            voltages_clipped(analysis, limit[i], &run->results[run->count++], error) < 0 ||
-            voltages_regularised(analysis, limit[i], &run->results[run->count++], error) < 0)
-            return -1;
-    }
-    run->compared = run->count;
-    for (int i = 0; i < design->compares; i++)
-        if (voltages_given(analysis, design->compare[i].name, design->compare[i].value,
-                           &run->results[run->count++], error) < 0)
-            return -1;
-    progress_stage("modes of the target");
-    return modes_run(&run->modes, analysis, limit, limits, error);
-}
-
-static int write_shape(const report_job *job, const void *result)
-{
-    const shape_run *run = result;
-    return report_shape(job, run->analysis, run->results, run->count, &run->modes);
-}
-
-/*
- * Estimate the discretisation error of the shape error that the optimal voltages leave. The voltage
- * limits are those of the first option --limit, or those of the scene file where no such option is
- * given. Returns an exit code.
- */
-static int shape_error(shape_run *run, const options *options)
-{
-    const common_limits own = {.source = LIMITS_SCENE};
-    mesh_values values = {.count = 0};
-    char error[SCENE_ERROR];
-    if (!options->estimates_error)
-        return 0;
-    mesh_values_add(&values, mesh_shape_name, run->results[1].error);
-    if (mesh_values_add_influence(&values, run->analysis, error) < 0)
-        return complain(error, 1);
-    return estimate_error(options, run->analysis->design.scene, &values, mesh_measure_shape,
-                          options->limits ? &options->limit[0] : &own, &run->analysis->mesh_error);
-}
-
-/*
- * Return the numbers that the plausibility warnings on the target use:
- *   - the size of the target;
- *   - the error and the largest voltage (relative to its limit) of the optimum within the first
- *     limits, those of --limit or of the scene;
- *   - the largest number of linearly dependent amplifiers in any result.
- */
-static plausible_optimum optimum_of(const shape_run *run)
-{
-    const design *design = &run->analysis->design;
-    const voltages *best = &run->results[1];
-    const double limit = fmax(fabs(best->limit[0]), fabs(best->limit[1]));
-    double largest = 0, entry = 0;
-    int dependent = 0;
-    for (int i = 0; i < run->count; i++)
-        dependent = run->results[i].dependent > dependent ? run->results[i].dependent : dependent;
-    for (int i = 0; i < design->targets; i++)
-        entry = fmax(entry, fabs(design->wanted[i]));
-    for (int k = 0; k < best->amplifiers; k++)
-        largest = fmax(largest, fabs(best->voltage[k]));
-    const double share = isfinite(limit) && limit > 0 ? largest / limit : (double)NAN;
-    return (plausible_optimum){
-        .target = entry > 0 ? run->before.rms / entry : 0,
-        .error = best->error,
-        .share = share,
-        .dependent = dependent,
-    };
-}
-
-static int command_shape(const options *options, analysis *analysis)
-{
-    shape_run run;
-    char error[SCENE_ERROR];
-    int status = 0;
-    memset(&run, 0, sizeof run);
-    run.analysis = analysis;
-    analysis->is_nonlinear = analysis->design.kinematics != KINEMATICS_LINEAR;
-    progress_stage("influence matrix");
-    if (analysis_influence(analysis, error) == 0 && shape_results(&run, options, error) == 0) {
-        const voltages *best = &run.results[1];
-        plausible_voltages(&analysis->warnings, analysis->design.scene, best->voltage, best->name);
-        plausible_result(&analysis->warnings, &analysis->design.mesh, best->displacement,
-                         !analysis->is_nonlinear, best->name);
-        const plausible_optimum optimum = optimum_of(&run);
-        plausible_target(&analysis->warnings, analysis->design.scene, &optimum);
-        status = shape_error(&run, options);
-        progress_stop();
-        if (status == 0)
-            (options->as_json ? print_shape_json : print_shape)(&run);
-        if (status == 0 && options->vtu)
-            status = write_vtu(&(vtk_solution){.analysis = analysis,
-                                               .displacement = best->displacement,
-                                               .voltage = best->voltage,
-                                               .shape = best->shape,
-                                               .target = best->aligned_target},
-                               options->vtu);
-        if (status == 0)
-            status = write_reports(options, write_shape, &run);
-        if (status == 0)
-            status = export_shape(options, &run);
-    } else {
-        status = complain(error, failed_code(analysis));
-    }
-    for (int i = 0; i < run.count; i++)
-        voltages_free(&run.results[i]);
-    free(run.results);
-    voltages_free(&run.before);
-    modes_free(&run.modes);
-    return status;
-}
-
-/* ---- simulate --------------------------------------------------------- */
-
-/*
- * Write the ticks that were simulated before an error (for example until the supervisor had parked
- * the voltages) to the files of --csv, --npz and --csv-dir. Print how many ticks there are, or
- * which options write them.
- *   csv in/out  open file of --csv; it is closed, and removed where no tick was simulated
- */
-static void write_first_ticks(const simulation *run, const options *options, outfile *csv,
-                              const history *history)
-{
-    const long ticks = simulate_ran(&run->count[LAW_CONTROLLER]);
-    const bool is_wanted = options->csv || export_is_wanted(options);
-    if (options->csv && ticks == 0)
-        outfile_drop(csv);
-    if (ticks == 0)
-        return;
-    const int failed = options->csv ? outfile_end(csv, 0) : 0;
-    if (failed || export_simulation(options, run, history))
-        return;
-    fprintf(stderr,
-            is_wanted ? "pzs: the %ld ticks before are written\n"
-                      : "pzs: --csv FILE.csv or --npz FILE.npz writes the %ld ticks before\n",
-            ticks);
-}
-
-/*
- * Run all ticks of a simulation, with a CSV file where the options request one, then compute the
- * optimal voltages of each phase (interval between events of the scene).
- *   history out  results of every tick of the controller
- * Returns 0, or an exit code.
- */
-static int run_simulation(simulation *run, const options *options, simulate_record *record,
-                          history *history)
-{
-    char error[SCENE_ERROR];
-    outfile csv = {NULL, NULL, "", -1};
-    const int status = options->csv ? outfile_begin(&csv, options->csv) : 0;
-    if (status)
-        return status;
-    const simulate_sinks sinks = {record, csv.file, history->room > 0 ? history : NULL};
-    if (print_run(run, &sinks, error) == 0)
-        return options->csv ? outfile_end(&csv, 0) : 0;
-    if (options->as_json)
-        print_refusal_json(run);
-    const int status_of_run = complain(error, 1);
-    write_first_ticks(run, options, &csv, history);
-    return status_of_run;
-}
-
-/*
- * Add warnings about implausible displacements of the plant in a simulation, for example
- * displacements too large for linear kinematics. The displacements at the end of each phase
- * (interval between events of the scene) under the controller are checked.
- */
-static void check_phases(plausible *warnings, const simulation *run)
-{
-    const analysis *analysis = &run->plant.analysis;
-    for (int k = 0; k < run->phases; k++) {
-        const double *displacement = run->phase[k].course[LAW_CONTROLLER].displacement;
-        if (displacement)
-            plausible_result(warnings, &analysis->design.mesh, displacement,
-                             !analysis->is_nonlinear, "the plant");
-    }
-}
-
-/* A simulation of the control loop with its record of every tick. */
-typedef struct simulated {
-    const simulation *run;
-    const simulate_record *record;
-} simulated;
-
-static int write_simulate(const report_job *job, const void *result)
-{
-    const simulated *simulated = result;
-    return report_simulate(job, simulated->run, simulated->record);
-}
-
-static int command_simulate(const options *options, analysis *analysis)
-{
-    const design *design = &analysis->design;
-    simulation run;
-    simulate_record record;
-    history history = {.ticks = 0};
-    const simulated result = {&run, &record};
-    char error[SCENE_ERROR];
-    int status = 0;
-    memset(&run, 0, sizeof run);
-    memset(&record, 0, sizeof record);
-    if (!design->simulate.given)
-        scene_fault(design->limits.at, error, "nothing to simulate: add `simulate: {ticks: 400}`");
-    progress_stage("influence matrix");
-    const int has_influence = design->simulate.given && analysis_influence(analysis, error) == 0;
-    progress_stage("stability of the loop");
-    if (has_influence) {
-        certificate_make(&analysis->certificate, analysis);
-        warn_of_prestress(analysis);
-    }
-    analysis->quasi_static = options->quasi_static;
-    progress_stage("tables of the controller");
-    if (!has_influence || simulate_open(&run, analysis, error) < 0) {
-        status = complain(error, OPTIONS_WRONG);
-    } else if (options->device && simulate_device(&run, options->device, error) < 0) {
-        status = complain(error, 1);
-    } else if (record_open(&record, &run) < 0 ||
-               (export_is_wanted(options) && !history_open(&history, design))) {
-        status = options_refuse("out of memory for", options->scene);
-    } else if ((status = run_simulation(&run, options, &record, &history)) == 0) {
-        check_phases(&analysis->warnings, &run);
-        progress_stop();
-        (options->as_json ? print_simulation_json : print_simulation)(&run, &record);
-        status = write_reports(options, write_simulate, &result);
-        if (status == 0)
-            status = export_simulation(options, &run, &history);
-        status |=
-            run.count[LAW_CONTROLLER].beyond_limits > 0 ||
-            run.count[LAW_CONTROLLER].beyond_rows > 0 || run.count[LAW_CONTROLLER].not_finite > 0 ||
-            (run.board && run.board->twin &&
-             simulate_ran(&run.count[LAW_CONTROLLER]) > run.count[LAW_CONTROLLER].agreeing_ticks);
-    }
-    record_close(&record);
-    history_close(&history);
-    simulate_close(&run);
-    return status;
-}
-
-/* ---- modes ------------------------------------------------------------ */
-
-/* Write a VTU file with one displacement field for each vibration mode. */
-static int write_modes(const vibration *vibration, const design *design, const char *path)
-{
-    outfile output;
-    if (outfile_begin(&output, path))
-        return 1;
-    return outfile_end(&output, vtk_write_modes(output.file, design, vibration));
-}
-
-static int write_vibration(const report_job *job, const void *result)
-{
-    return report_modes(job, result);
-}
-
-/* Estimate the discretisation error of the natural frequencies. Returns an exit code. */
-static int modes_error(const options *options, const scene *scene, const vibration *vibration,
-                       const modes_request *request, mesh_error *result)
-{
-    mesh_values values = {.count = 0};
-    for (int i = 0; i < vibration->count; i++) {
-        char name[SCENE_LABEL];
-        mesh_mode_name(i, name);
-        mesh_values_add(&values, name, vibration->frequency[i]);
-    }
-    return estimate_error(options, scene, &values, mesh_measure_modes, request, result);
-}
-
-/* Refuse circuits of electrodes for a measured influence matrix. Returns 0, or an exit code. */
-static int check_circuit(const options *options, const scene *scene)
-{
-    if (options->circuit == CIRCUIT_SCENE || !scene->influence.given)
-        return 0;
-    return options_refuse("--electrodes needs a structure, but the scene has a measured influence "
-                          "matrix:",
-                          options->scene);
-}
-
-/*
- * Compute natural frequencies and mode shapes of a structure: about the reference state with linear
- * kinematics, otherwise about the equilibrium under the scene's loads and voltages. Returns 0, or
- * an exit code after the message on the error.
- *   modes out  modes, and the first natural frequency without and with the loads
- */
-static int find_modes(const options *options, const scene *scene, loaded_modes *modes)
-{
-    enum { USUAL_NUMBER = 10 };
-    char error[SCENE_ERROR];
-    const modes_request request = {options->number ? options->number : USUAL_NUMBER,
-                                   options->circuit};
-    memset(modes, 0, sizeof *modes);
-    if (check_circuit(options, scene))
-        return OPTIONS_WRONG;
-    progress_stage("natural frequencies");
-    if (loaded_modes_open(modes, scene, &request, error) < 0)
-        return complain(error, OPTIONS_WRONG);
-    plausible_scene(&modes->warnings, scene);
-    plausible_mesh(&modes->warnings, &modes->analysis.design.mesh);
-    const modes_request computed = {modes->vibration.count, request.circuit};
-    const int status =
-        modes_error(options, scene, &modes->vibration, &computed, &modes->mesh_error);
-    if (!modes->is_loaded) {
-        modes->first = loaded_first(scene);
-        plausible_prestress(&modes->warnings, scene, modes->first.unloaded, modes->first.loaded);
-    }
-    progress_stop();
-    return status;
-}
-
-/*
- * Run the command `modes` on the structure alone. Unlike other commands, this one accepts supports
- * that permit rigid motions.
- */
-static int run_modes(const options *options)
-{
-    scene scene;
-    loaded_modes modes;
-    int status = open_scene(options, &scene);
-    if (status)
-        return status;
-    progress_start();
-    status = find_modes(options, &scene, &modes);
-    if (status == 0)
-        (options->as_json ? print_vibration_json : print_vibration)(&modes);
-    if (status == 0 && options->vtu)
-        status = write_modes(&modes.vibration, &modes.analysis.design, options->vtu);
-    if (status == 0)
-        status = write_reports(options, write_vibration, &modes);
-    if (status == 0)
-        status = export_modes(options, &modes);
-    if (status == 0 && options->is_strict && modes.warnings.count > 0)
-        status = 1;
-    loaded_modes_close(&modes);
-    scene_free(&scene);
-    return status;
-}
-
 /* ---- tables, check, list ---------------------------------------------- */
 
 /*
@@ -744,18 +120,26 @@ static const char *output_path(const options *options, const char *name, const c
 
 /*
  * Test the stability of the control loop in the tables that `pzs tables` writes, and refuse a loop
- * that is not stable. Returns 0, or an exit code with error filled.
+ * that is not stable, or that errors of a measured influence matrix make unstable. Returns 0, or an
+ * exit code with error filled.
  */
 static int certify_tables(analysis *analysis, char *error)
 {
-    if (analysis->design.problem.inputs == 0 || analysis->quasi_static)
+    if (analysis->design.problem.inputs == 0)
         return 0;
-    if (judge_rate(analysis, error) < 0)
-        return LOOP_REFUSED;
-    if (certify_loop(analysis, error) < 0 || certify_margins(analysis, false, error) < 0)
+    if (!analysis->quasi_static) {
+        if (judge_rate(analysis, error) < 0)
+            return LOOP_REFUSED;
+        if (certify_loop(analysis, error) < 0 || certify_margins(analysis, false, error) < 0)
+            return failed_code(analysis);
+        warn_of_loop(analysis);
+        if (judge_storms(analysis, error) < 0)
+            return LOOP_REFUSED;
+    }
+    if (certify_matrix(analysis, error) < 0)
         return failed_code(analysis);
-    warn_of_loop(analysis);
-    return judge_storms(analysis, error) < 0 ? LOOP_REFUSED : 0;
+    warn_of_matrix(analysis);
+    return judge_matrix(analysis, error) < 0 ? LOOP_REFUSED : 0;
 }
 
 /*
@@ -839,6 +223,21 @@ static int prepare_tables(analysis *analysis, tables_image image, char *error)
     return image == TABLES_NONLINEAR ? prepare_nonlinear(analysis, error) : 0;
 }
 
+/* Print the memory that electrodes take that are open while the structure of a device vibrates. */
+static void print_open_memory(const open_tables *open, const design *design)
+{
+    if (open->count == 0)
+        return;
+    size_t single, twice;
+    {
+        typedef float pzs_real;
+        single = PZS_MODES_OPEN_BYTES(design->mesh.free_dof, open->count);
+    }
+    twice = PZS_MODES_OPEN_BYTES(design->mesh.free_dof, open->count);
+    printf("%u open electrodes: workspace %.1f KB more in float, %.1f in double\n",
+           (unsigned)open->count, (double)single / 1024, (double)twice / 1024);
+}
+
 /* Print the memory that vibration modes on the device take, where the tables hold them. */
 static void print_modes_memory(const analysis *analysis)
 {
@@ -855,6 +254,7 @@ static void print_modes_memory(const analysis *analysis)
            modes->vibration.count, modes->vectors, work / 2048, work / 1024,
            modes->mass.tables.types, packed * modes->mass.tables.types * real / 2048,
            packed * modes->mass.tables.types * real / 1024);
+    print_open_memory(&modes->open, design);
 }
 
 static void print_tables(const options *options, const analysis *analysis, const char *path)
@@ -895,21 +295,33 @@ static int write_tables(const options *options, analysis *analysis)
     return status;
 }
 
+/*
+ * Refuse options about vibration modes on the device that do not fit. Returns 0, or an exit code.
+ */
+static int check_device_modes(const options *options)
+{
+    if (options->device_modes > 0 && options->image == TABLES_CONTROL)
+        return options_refuse("tables --modes needs --image linear or nonlinear, not", "control");
+    if (options->device_modes == 0 && options->circuit != CIRCUIT_SCENE)
+        return options_refuse("tables --electrodes needs", "--modes");
+    return 0;
+}
+
 static int command_tables(const options *options, analysis *analysis)
 {
     tables_modes modes;
     char error[SCENE_ERROR];
     analysis->quasi_static = options->quasi_static;
     analysis->is_compact = options->is_compact;
-    if (options->device_modes > 0 && options->image == TABLES_CONTROL)
-        return options_refuse("tables --modes needs --image linear or nonlinear, not", "control");
+    if (check_device_modes(options))
+        return OPTIONS_WRONG;
     progress_stage("tables");
     int status = prepare_tables(analysis, options->image, error);
     if (status)
         return complain(error, status);
     memset(&modes, 0, sizeof modes);
     if (options->device_modes > 0 &&
-        tables_modes_make(&modes, analysis, options->image == TABLES_NONLINEAR,
+        tables_modes_make(&modes, analysis, options->circuit, options->image == TABLES_NONLINEAR,
                           options->device_modes, error) < 0) {
         tables_modes_free(&modes);
         return complain(error, failed_code(analysis));
@@ -981,8 +393,10 @@ static int command_check(const options *options, analysis *analysis)
     if (analysis->design.simulate.given && certificate_refuses(&analysis->certificate) &&
         simulate_tables(analysis, error) < 0)
         return complain(error, OPTIONS_WRONG);
-    if (certify_loop(analysis, error) < 0 || certify_margins(analysis, true, error) < 0)
+    if (certify_loop(analysis, error) < 0 || certify_margins(analysis, true, error) < 0 ||
+        certify_matrix(analysis, error) < 0)
         return complain(error, OPTIONS_WRONG);
+    warn_of_matrix(analysis);
     warn_of_loop(analysis);
     warn_of_loads(analysis);
     progress_stop();
@@ -990,7 +404,7 @@ static int command_check(const options *options, analysis *analysis)
     work_report_search(&work, analysis);
     (options->as_json ? print_check_json : print_check)(analysis, &work);
     if (judge_loop(analysis, error) < 0 || judge_storms(analysis, error) < 0 ||
-        work_report_check(&work, &analysis->design, error) < 0)
+        judge_matrix(analysis, error) < 0 || work_report_check(&work, &analysis->design, error) < 0)
         return complain(error, LOOP_REFUSED);
     return 0;
 }
@@ -1082,7 +496,7 @@ static int run_command(command_id id, const options *options)
     case COMMAND_CHECK: return run_on_scene(options, command_check);
     case COMMAND_SOLVE: return run_on_scene(options, command_solve);
     case COMMAND_SHAPE: return run_on_scene(options, command_shape);
-    case COMMAND_MODES: return run_modes(options);
+    case COMMAND_MODES: return command_modes(options);
     case COMMAND_TABLES: return run_on_scene(options, command_tables);
     case COMMAND_FMU: return run_on_scene(options, command_fmu);
     case COMMAND_SIMULATE: return run_on_scene(options, command_simulate);

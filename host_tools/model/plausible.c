@@ -7,6 +7,7 @@
 
 #include <math.h>
 #include <string.h>
+#include "certificate_matrix.h"
 #include "matrix_modes.h"
 #include "plausible_parts.h"
 #include "stress_summary.h"
@@ -23,6 +24,8 @@ typedef enum subject_type {
     SUBJECT_PRESTRESS,
     SUBJECT_LOADS,
     SUBJECT_LOOP,
+    SUBJECT_MATRIX,
+    SUBJECT_END,
     SUBJECT_STRESS
 } subject_type;
 
@@ -178,6 +181,16 @@ static const struct rule {
      "readings one tick older can make the loop swing without end; measure the age, converters and "
      "filters included, and write the largest, or ask for control: {delay_margin: 1}; the "
      "supervisor, unless left out by safety: none, parks the voltages of a loop that swings"},
+    {"matrix_errors", SUBJECT_MATRIX, measure_matrix_errors, CERTIFICATE_MATRIX_BAR, HUGE_VAL, "",
+     "noise and drift of a measurement can make the voltages grow; write this regularisation, or "
+     "average more measurements and state their errors in influence.scatter"},
+    {"model_errors", SUBJECT_MATRIX, measure_model_errors, CERTIFICATE_MODEL_BAR, HUGE_VAL, "",
+     "few structures agree with a model so well, and the voltages may grow; write this "
+     "regularisation, or measure the matrix"},
+    {"diverged", SUBJECT_END, measure_divergence, 0, PLAUSIBLE_DIVERGENCE,
+     "times that without voltages",
+     "the loop is unstable on this plant; compare plant and events with the margins that `pzs "
+     "check` prints, also that against errors of the influence matrix"},
     {"sensor_noise", SUBJECT_LOOP, measure_noise, 0, 0.3, "times the target",
      "readings then tell little of the shape, and the supervisor takes as much for healthy; "
      "compare the number with units.length"},
@@ -373,6 +386,19 @@ void plausible_loop(plausible *warnings, const scene *scene, int older, double a
     const subject of = {
         .scene = scene, .name = "", .older = older, .amplitude = amplitude, .noise = noise};
     apply_all(warnings, SUBJECT_LOOP, &of);
+}
+
+void plausible_matrix_errors(plausible *warnings, const scene *scene, double margin,
+                             const char *cure)
+{
+    const subject of = {.scene = scene, .name = "", .margin = margin, .cure = cure};
+    apply_all(warnings, SUBJECT_MATRIX, &of);
+}
+
+void plausible_end(plausible *warnings, const scene *scene, double error, double ratio)
+{
+    const subject of = {.scene = scene, .name = "", .end_error = error, .divergence = ratio};
+    apply_all(warnings, SUBJECT_END, &of);
 }
 
 void plausible_stress(plausible *warnings, const stress_field *field)

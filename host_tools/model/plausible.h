@@ -122,6 +122,27 @@ void plausible_loads(plausible *warnings, const scene *scene, double load, doubl
 void plausible_loop(plausible *warnings, const scene *scene, int older, double amplitude,
                     double noise);
 
+/*
+ * Warn if small errors of the entries of the influence matrix make the control loop unstable.
+ *   margin in  largest standard deviation of random relative errors with which the loop is stable
+ *   cure   in  how the margin becomes larger, as part of a sentence
+ */
+void plausible_matrix_errors(plausible *warnings, const scene *scene, double margin,
+                             const char *cure);
+
+/*
+ * Largest shape error at the end of a simulation, over the largest without voltages, with which the
+ * loop does not count as diverged.
+ */
+#define PLAUSIBLE_DIVERGENCE 2.5
+
+/*
+ * Warn if a simulated loop has diverged.
+ *   error in  relative shape error at the end
+ *   ratio in  this error divided by the largest one without voltages
+ */
+void plausible_end(plausible *warnings, const scene *scene, double error, double ratio);
+
 /* Print plausibility warnings as a block of lines; print nothing where there are none. */
 void plausible_print(FILE *file, const plausible *warnings);
 

@@ -33,12 +33,17 @@ typedef struct subject {
                                  structure */
     double unloaded, loaded; /* first natural frequency of the structure without and with its static
                                 loads (Hz); NAN: not known */
-    double load;  /* root mean square of the displacements of the target nodes under the loads
-                     (length unit of the scene) */
-    double reach; /* root mean square of the displacements of the target nodes under half the
-                     voltage range of all amplifiers with random signs (length unit of the scene) */
-    double noise; /* standard deviation of the noise of the sensors divided by the root mean square
-                     of the target */
+    double load;   /* root mean square of the displacements of the target nodes under the loads
+                      (length unit of the scene) */
+    double reach;  /* root mean square of the displacements of the target nodes under half the
+                      voltage range of all amplifiers with random signs (scene's length unit) */
+    double noise;  /* standard deviation of the noise of the sensors divided by the root mean square
+                      of the target */
+    double margin; /* largest standard deviation of relative errors of the influence matrix with
+                      which the control loop is stable */
+    const char *cure;             /* how this margin becomes larger */
+    double end_error, divergence; /* relative shape error at the end of a simulation, and divided by
+                                     the largest one without voltages */
     int older; /* largest number of ticks by which the sensor readings may be older than the scene
                   file states while the control loop stays stable */
 } subject;
@@ -152,6 +157,7 @@ measure measure_strong_column, measure_modes_share, measure_mode_share, measure_
  */
 measure measure_found_field, measure_displacement, measure_strain;
 measure measure_path, measure_path_end, measure_stability;
+measure measure_matrix_errors, measure_model_errors, measure_divergence;
 measure measure_target, measure_unreached, measure_range, measure_idle, measure_dependent;
 
 /*

@@ -227,6 +227,38 @@ int measure_noise(const subject *of, int k, measured *found)
     return k == 0;
 }
 
+/* Measure the margin of the loop against errors of a matrix that is measured, or that is not. */
+static int measure_margin(const subject *of, int k, bool is_measured, measured *found)
+{
+    found->value = of->scene->influence.given == is_measured ? of->margin : (double)NAN;
+    if (is_measured)
+        found->at = of->scene->influence.at;
+    snprintf(
+        found->what, WHAT,
+        "relative errors of the influence matrix (standard deviation) that the loop bears (%s)",
+        of->cure);
+    return k == 0;
+}
+
+int measure_matrix_errors(const subject *of, int k, measured *found)
+{
+    return measure_margin(of, k, true, found);
+}
+
+int measure_model_errors(const subject *of, int k, measured *found)
+{
+    return measure_margin(of, k, false, found);
+}
+
+int measure_divergence(const subject *of, int k, measured *found)
+{
+    found->value = of->divergence;
+    found->at = of->scene->simulate.at;
+    snprintf(found->what, WHAT, "shape error at the end of the simulation, %.4g %% of the target",
+             100 * of->end_error);
+    return k == 0;
+}
+
 int measure_tested_hysteresis(const subject *of, int k, measured *found)
 {
     const bool has_test = of->scene->safety.amplitude > 0;

@@ -328,6 +328,33 @@ int voltages_linear(analysis *analysis, common_limits common, voltages *result, 
     return 0;
 }
 
+int voltages_linear_error(const design *design, common_limits common, double *shape_error,
+                          char *error)
+{
+    const size_t amplifiers = (size_t)design->amplifiers, targets = (size_t)design->targets;
+    voltages result = {.voltage = calloc(amplifiers + 1, sizeof *result.voltage),
+                       .at_limit = calloc(amplifiers + 1, sizeof *result.at_limit),
+                       .bounds = calloc(2 * amplifiers + 1, sizeof *result.bounds),
+                       .shape = calloc(targets + 1, sizeof *result.shape)};
+    double *effect = calloc(amplifiers + 1, sizeof *effect);
+    pzs_status status = PZS_E_WORKSPACE;
+    result.amplifiers = design->amplifiers;
+    if (result.voltage && result.at_limit && result.bounds && result.shape && effect)
+        status =
+            optimise_voltages(design, common, NULL, design->wanted, HUGE_VAL, &result, error);
+    if (status == PZS_OK) {
+        curves_effects(design, result.voltage, effect);
+        for (size_t i = 0; i < targets; i++)
+            for (size_t k = 0; k < amplifiers; k++)
+                result.shape[i] += design->problem.influence[i * amplifiers + k] * effect[k];
+        *shape_error = relative(design_squares(design, result.shape, design->wanted),
+                                design_squares(design, design->wanted, NULL));
+    }
+    free(effect);
+    voltages_free(&result);
+    return status == PZS_OK ? 0 : -1;
+}
+
 /*
  * Compute voltages by least squares without limits, then clip each to its limits.
  *   tuned in  true: the least squares are regularised, with the parameter for which the clipped

@@ -81,6 +81,16 @@ int voltages_given(analysis *analysis, const char *name, const double *voltage, 
 void voltages_free(voltages *result);
 
 /*
+ * Compute the relative RMS error of the shape that the optimum of the linear model within the
+ * limits leaves. The shape is that of the influence matrix in design->problem; no equilibrium is
+ * computed, and the analysis is unchanged. Returns 0, or -1.
+ *   shape_error out  relative RMS error
+ *   error       out  filled where the limits of an amplifier allow no voltage
+ */
+int voltages_linear_error(const design *design, common_limits common, double *shape_error,
+                          char *error);
+
+/*
  * Compute the influence matrix of the nonlinear structure at the optimum that voltages_optimum has
  * found. If the last step of that search was rejected, the equilibrium at the optimum is computed
  * again, which improves result->displacement within the tolerance.

@@ -950,6 +950,8 @@ typedef struct scene_influence {
     double drop_below;  /* fraction of the largest entry of a column of the influence matrix: the
                            controller treats smaller entries of this column as zero (dimensionless)
                          */
+    double scatter;     /* standard deviation of the relative errors that the measured entries of
+                           the influence matrix must be expected to have */
     double (*place)[3]; /* [outputs] coordinates x, y, z of the output points; NULL where the scene
                            file gives none */
     char (*output_name)[SCENE_NAME]; /* [file_outputs] names of the rows of the influence matrix's

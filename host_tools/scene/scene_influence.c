@@ -23,7 +23,7 @@ typedef struct influence_text {
     int file, coordinates, actuators, outputs, ignore, mask, tied, curve,
         modes; /* YAML nodes of the keys of the section `influence`; 0 for a key that is absent */
     bool rows_are_actuators;
-    double scale, drop_below;
+    double scale, drop_below, scatter;
     number_table table;
     int coordinate_column[AXES]; /* numbers of the columns that hold the coordinates x, y and z of
                                     the outputs in the table of a measured influence matrix; -1
@@ -34,6 +34,9 @@ typedef struct influence_text {
     unsigned char *is_ignored; /* [outputs of the file] 1 for each output of the measured influence
                                   matrix that the scene file leaves out, else 0 */
 } influence_text;
+
+/* Standard deviation of the relative errors of a measured matrix where the scene states none. */
+static const double usual_scatter = 0.01;
 
 static const char *const axis_name[AXES] = {"x", "y", "z"};
 
@@ -444,6 +447,7 @@ static int build(reader *reader, influence_text *text)
         return -1;
     reader->s->influence.rows_are_actuators = text->rows_are_actuators;
     reader->s->influence.drop_below = text->drop_below;
+    reader->s->influence.scatter = text->scatter;
     reader->s->influence.file_outputs = outputs_of(text);
     if (make_actuators(reader, text) != 0 || name_outputs(reader, text) != 0 ||
         list_rows(reader, text) != 0 || take_coordinates(reader, text) != 0)
@@ -472,6 +476,10 @@ static const field influence_fields[] = {
      .help = "Entries smaller than this part of the largest entry of their actuator count as zero "
              "in the controller, so that its tables may be sparse; default 0. `check` prints the "
              "largest error that this causes."},
+    {"scatter", read_real, offsetof(influence_text, scatter), &below_half, .of = OF_NUMBER,
+     .help = "Standard deviation of the relative errors that the measured entries must be expected "
+             "to have; default 0.01. `check` and `tables` refuse a control loop that such errors "
+             "make unstable."},
     {"actuators", read_node, offsetof(influence_text, actuators), .form = &labels_form,
      .help = "Names of the actuators in the order of the file; default those of the file, or v1, "
              "v2 ..."},
@@ -508,6 +516,7 @@ int read_influence(reader *reader, int node, void *to, const void *rule)
     (void)rule;
     memset(&text, 0, sizeof text);
     text.scale = 1;
+    text.scatter = usual_scatter;
     scene->influence.at = node_at(reader, node);
     scene->influence.given = true;
     const int failed =

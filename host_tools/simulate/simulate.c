@@ -197,7 +197,6 @@ static int prepare_controller(simulation *simulation, char *error)
     simulation->problem = &simulation->nominal->design.problem;
     simulation->estimates = loop_estimates(design);
     simulation->feeds = loop_feeds(design);
-    simulation->quantises = loop_quantises(design);
     const bool has_gate = sensor_gate_is_asked(design);
     if ((simulation->estimates || simulation->feeds || has_gate) &&
         estimator_open(&simulation->estimator, simulation->nominal, error) < 0)

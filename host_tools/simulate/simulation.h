@@ -160,7 +160,6 @@ typedef struct simulation {
                                             which the controller is compared */
     bool estimates;   /* whether the controller estimates the shape from few sensors */
     bool feeds;       /* whether the controller compensates known loads by feed-forward voltages */
-    bool quantises;   /* whether the amplifiers have a resolution or a dead band */
     bool has_target;  /* whether the scene's target differs from zero at some target node */
     double reference; /* denominator of all relative errors: the weighted norm of the scene's target
                          or, where the target is zero, of the shape without voltages (m) */
@@ -219,6 +218,14 @@ int simulate_run(simulation *simulation, simulate_law law, simulate_tick_callbac
  * filled.
  */
 int simulate_optima(simulation *simulation, char *error);
+
+/*
+ * Return the relative shape error at the end of the simulation of the controller, divided by the
+ * largest error that any phase would have without voltages or at its optimum (at least 1: the norm
+ * of the target). Voltages that obey a stable loop can double this error, when the target jumps; a
+ * larger number is that of a loop that has diverged. simulate_optima must have run before.
+ */
+double simulate_divergence(simulation *simulation);
 
 /*
  * Return the number of ticks of the simulation in which the controller ran, that is, which were not

@@ -129,8 +129,9 @@ done
 run 0 new && cmp -s "$dir/out" "$dir/plate.yaml"; check 'new without an argument is a plate' $?
 run 0 new measured-matrix && mv "$dir/out" "$dir/measured-matrix.csv" && run 0 new measured && mv "$dir/out" "$dir/measured.yaml" &&
     run 0 check "$dir/measured.yaml" --strict && grep -qF 'rank 7' "$dir/out"; check 'new measured is valid with its matrix' $?
-run 0 check "$dir/measured.yaml" --set influence.drop_below=0.2 && grep -qF 'entries count as zero in the controller' "$dir/out" &&
-    grep -qE 'they move output .* by [0-9.e-]+ mm, [0-9.]+ of the target' "$dir/out" && run 0 check "$dir/measured.yaml" --set influence.drop_below=0.2 --json && json "j['dropped_error'] > 0" &&
+run 0 check "$dir/measured.yaml" --set target.free=[] --set influence.drop_below=0.2 && grep -qF 'entries count as zero in the controller' "$dir/out" &&
+    grep -qE 'they move output .* by [0-9.e-]+ mm, [0-9.]+ of the target' "$dir/out" && run 0 check "$dir/measured.yaml" --set target.free=[] --set influence.drop_below=0.2 --json && json "j['dropped_error'] > 0" &&
+    run 3 check "$dir/measured.yaml" --set influence.drop_below=0.2 && says 'reacts to the free functions of the target' &&
     run 2 check "$dir/measured.yaml" --set influence.drop_below=0.7 && says 'must be from 0 to 0.5'
 check 'drop_below leaves out small entries with the largest error, and is refused above 0.5' $?
 run 0 check "$dir/measured.yaml" --set 'influence.tied={pair: [e4, e1], rest: [e5, e6]}' --set simulate.events=[] && grep -qF '19 outputs, 5 actuators' "$dir/out" &&
@@ -967,6 +968,20 @@ device = [float(line) for line in open(sys.argv[1]) if line.strip()]
 host = json.load(open(sys.argv[2]))["frequency"]
 sys.exit(not (len(host) == 3 and all(abs(a / b - 1) < 1e-9 for a, b in zip(device, host, strict=True)) and host[0] > 1.5))' "$dir/device" "$dir/out"
 check 'tables --modes of a nonlinear image: frequencies about the equilibrium, those of pzs modes' $?
+# first_frequency [CIRCUIT]: of the header and of pzs modes, equal; CIRCUIT as --electrodes
+first_frequency() {
+    circuit=${1:+--electrodes $1}
+    # shellcheck disable=SC2086
+    run 0 tables bimorph-sensor --quasi-static --set materials.PVDF.density=1780 --image linear --modes 2 --prefix t $circuit -o "$dir/open.h" &&
+        device=$(sed -n '/t_frequency\[2\]/{n;p;}' "$dir/open.h" | sed 's/^ *PZS_R(\([^)]*\)).*/\1/') &&
+        run 0 modes bimorph-sensor --set materials.PVDF.density=1780 --number 2 --json $circuit && json "abs($device/j['frequency'][0]-1)<1e-12"
+}
+first_frequency && grep -q '^#define T_MODES_OPEN 5' "$dir/open.h" && first_frequency open && grep -q 't_modes_open\[5\]' "$dir/open.h" && first_frequency short &&
+    ! grep -q MODES_OPEN "$dir/open.h"; check 'tables --modes --electrodes: the circuits and frequencies of pzs modes' $?
+run 0 tables plate-50-patches --quasi-static --image linear --modes 2 --prefix t --electrodes open --set materials.G1195.permittivity=7.3e-9 -o "$dir/open.h" && grep -q '^#define T_MODES_OPEN 25' "$dir/open.h" &&
+    grep -q 't_electrodes = {' "$dir/open.h" && grep -q '^25 open electrodes: workspace [0-9.]* KB more in float' "$dir/out" &&
+    run 2 tables plate-50-patches --quasi-static --image linear --modes 2 --electrodes open -o "$dir/x.h" && grep -q 'open electrode v_1_1 has no capacitance' "$dir/err" &&
+    run 2 tables plate-50-patches --quasi-static --image linear --electrodes open -o "$dir/x.h" && grep -qF "needs '--modes'" "$dir/err"; check 'tables --modes --electrodes open: amplifiers, too; refused without permittivity' $?
 run 2 tables plate-50-patches --quasi-static --modes 3 -o "$dir/x.h" && says 'needs --image linear or nonlinear' && run 2 tables plate-50-patches --quasi-static --image linear --modes 201 -o "$dir/x.h" && says '--modes is a whole number' &&
     run 2 tables clamped-plate --image linear --modes 3 -o "$dir/x.h" && says 'no density in material' && run 2 modes plate-50-patches --modes 3 && says 'belongs to tables'; check 'tables --modes: refused without masses, for a control image, for no number' $?
 grep -q '^#define PLATE_CLOSED_LOOP_QUASI_STATIC 1' "$dir/target.h" && grep -q 'has no vibration model' "$dir/target.h"; check '--quasi-static marks the header' $?
