@@ -228,8 +228,17 @@ static void loop_advice(const analysis *analysis, char text[SCENE_ERROR])
     else if (loop->cure > 0 && !certificate_is_prestressed(certificate))
         snprintf(text, SCENE_ERROR,
                  "write limits: {regularisation: {relative: %g}}, which keeps voltages small that "
-                 "hardly move the target",
-                 loop->cure);
+                 "hardly move the target%s",
+                 loop->cure,
+                 loop->is_compensation_cure ? ", or compensate hysteresis (section hysteresis, by "
+                                              "`pzs calibrate --hysteresis`)"
+                                            : "");
+    else if (loop->is_compensation_cure && !certificate_is_prestressed(certificate))
+        snprintf(
+            text, SCENE_ERROR,
+            "%scompensate hysteresis: with a section hysteresis (`pzs calibrate --hysteresis`) "
+            "the loop is safe; or state the hysteresis of this ceramic in simulate",
+            tried);
     else
         snprintf(text, SCENE_ERROR, "%s%sadd sensors or amplifiers%s", tried, rates, readings);
 }

@@ -377,6 +377,11 @@ static void verdict_text(const certificate_loop *loop, char text[CERTIFICATE_TEX
                     "target, but they move modes:\nwith limits: {regularisation: {relative: %g}} "
                     "it passes all tests.",
                     loop->cure);
+    else if (!loop->is_stable && loop->is_compensation_cure)
+        text_append(text, CERTIFICATE_TEXT,
+                    "The damped tick is not safe. Hysteresis of %g %% is the cause: where it is "
+                    "compensated\n(section hysteresis) the loop passes all tests.",
+                    100 * loop->hysteresis);
     else if (!loop->is_stable && loop->cures_tried > 0)
         text_append(text, CERTIFICATE_TEXT,
                     "The damped tick is not safe, and no regularisation of the voltages up to %g "
@@ -430,6 +435,18 @@ static void storm_text(const certificate_loop *loop, char text[CERTIFICATE_TEXT]
                 "%g).",
                 loop->storms - loop->failed, loop->storms, loop->worst, unit,
                 CERTIFICATE_TOLERANCE);
+    if (loop->hysteresis > 0)
+        text_append(
+            text, CERTIFICATE_TEXT,
+            "\nWith %g %% hysteresis of the ceramic, not compensated, %d of %d more settle.",
+            100 * loop->hysteresis, loop->hysteresis_storms - loop->hysteresis_failed,
+            loop->hysteresis_storms);
+    if (loop->unseen > CERTIFICATE_TOLERANCE)
+        text_append(
+            text, CERTIFICATE_TEXT,
+            "\nHYSTERESIS THAT THE SENSORS DO NOT SHOW LEAVES UP TO %.2g %s; add sensors, or "
+            "the section\nhysteresis.",
+            loop->unseen, unit);
     if (loop->unit > 1 && isfinite(loop->unit))
         text_append(text, CERTIFICATE_TEXT,
                     "\nA 50th of the shapes under half the voltage range is as large as %.3g "

@@ -16,6 +16,7 @@
 #define CERTIFICATE_H
 
 #include <stdbool.h>
+#include "certificate_matrix.h"
 #include "damper_gains.h"
 #include "vibration.h"
 
@@ -129,8 +130,10 @@ typedef struct certificate_loop {
      * worst_gain: factor by which its structure responds more to voltages than the model
      * worst_frequency: factor of the model's natural frequencies, the same one for all
      * worst_step: factor of the scene's step limits
+     * worst_hysteresis: width of its hysteresis loop relative to the voltage range, which the loop
+     *     does not compensate
      */
-    double worst_gain, worst_frequency, worst_step;
+    double worst_gain, worst_frequency, worst_step, worst_hysteresis;
     double ticks; /* mean number of ticks until the shape has settled after fast jumps of the target
                    */
     double load_step; /* time until 5 % of the effect of a suddenly applied load are left (periods
@@ -149,6 +152,16 @@ typedef struct certificate_loop {
     int alarms;    /* number of storms (simulations with fast jumps of the target) in which the
                       supervisor stops the loop although nothing is wrong with it */
     certificate_gate gate;
+    double hysteresis; /* width of the hysteresis loop of the ceramic, relative to the voltage
+                          range, in further storms (simulations with fast target jumps), which the
+                          loop does not compensate; 0: none, compensated, or not tried */
+    int hysteresis_storms, hysteresis_failed; /* number of these storms (simulations with fast
+                                                 target jumps), and of those that did not settle;
+                                                 they are not part of `storms` and `failed` */
+    double unseen; /* largest distance, in the unit of `worst`, between the shape at which a loop
+                      with few sensors comes to rest on a ceramic with hysteresis and the best one:
+                      sensors do not show all of the effect of hysteresis. 0: all storms
+                      (simulations with fast target jumps) come near the best shape */
     double less_hysteresis; /* fraction by which the ceramic has less hysteresis than the scene file
                                says in a third of the storms (simulations with fast target jumps); 0
                                where the loop does not compensate hysteresis */
@@ -171,6 +184,8 @@ typedef struct certificate_loop {
                                   target.free) are left out */
     double cure; /* regularisation of the voltages with which an unstable loop passes all stability
                     tests, relative to the mean diagonal entry of the Hessian; 0: none was found */
+    bool is_compensation_cure; /* true where an unstable loop passes all stability tests if it
+                                  compensates the hysteresis of the simulated plant */
     double cures_tried; /* if the loop is unstable: largest regularisation of the voltages that was
                            tried in order to make it stable, relative to the mean diagonal entry of
                            the Hessian; 0: none */
@@ -229,10 +244,11 @@ typedef struct certificate {
                       tick rate. */
     bool has_settings; /* true where simulations with fast jumps of the target have chosen the
                           settings of the control tick that damps vibration */
-    damper_settings settings; /* settings of the control tick that damps vibration, chosen by
-                                 simulations with fast jumps of the target */
-    certificate_loop loop;    /* result of the stability tests of the loop whose control tick damps
-                                 vibration */
+    damper_settings settings;  /* settings of the control tick that damps vibration, chosen by
+                                  simulations with fast jumps of the target */
+    certificate_loop loop;     /* result of the stability tests of the loop whose control tick damps
+                                  vibration */
+    certificate_matrix matrix; /* margin of the loop against errors of its influence matrix */
     double stable_rate; /* tick rate (1/s) up to which a loop without a vibration model is stable at
                            all rates tested; 0: none was found; infinite: every rate is stable.
                            Tested are the model, and structures with 0.8 to 1.33 times its response

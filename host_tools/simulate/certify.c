@@ -10,6 +10,8 @@
 #include "../text/append.h"
 #include "certify_trial.h"
 
+enum { HYSTERESIS_TEXT = 40 }; /* length of the text that names hysteresis (characters) */
+
 /*
  * Determine whether a tick of the scene's control loop has a block (stage) that damps vibration.
  * Returns 0, or -1 with error filled.
@@ -84,19 +86,33 @@ int certify_loop(analysis *analysis, char *error)
     return 0;
 }
 
+/*
+ * Write what the structure of the worst storm (simulation with fast jumps of the target) has beside
+ * its static response and its frequencies: ceramic with hysteresis.
+ *   hysteresis in  width of the hysteresis loop relative to the voltage range; 0: none
+ */
+static void hysteresis_text(double hysteresis, char text[HYSTERESIS_TEXT])
+{
+    text[0] = '\0';
+    if (hysteresis > 0)
+        snprintf(text, HYSTERESIS_TEXT, "%g %% hysteresis, ", 100 * hysteresis);
+}
+
 void certify_failure(const certificate *certificate, char text[SCENE_ERROR])
 {
     const certificate_loop *loop = &certificate->loop;
     const certificate_target *target = &loop->target;
-    char unit[CERTIFICATE_UNIT];
+    char unit[CERTIFICATE_UNIT], hysteresis[HYSTERESIS_TEXT];
+    const bool is_target = target->is_made && !target->is_stable;
     certificate_unit(loop, unit);
+    hysteresis_text(loop->worst_hysteresis, hysteresis);
     text[0] = '\0';
     if (loop->bandwidth > 0)
         snprintf(text, SCENE_ERROR, "with amplifiers of %g Hz, which may be too slow, ",
                  loop->bandwidth);
     char *rest = text + strlen(text);
     const size_t room = SCENE_ERROR - strlen(text);
-    if (target->is_made && !target->is_stable)
+    if (is_target)
         snprintf(rest, room,
                  "about the shape of its target, %.3g thicknesses, at gain %g, frequency %g of the "
                  "deformed structure, vibration changes %.5g times a tick and %d of %d storms do "
@@ -106,13 +122,14 @@ void certify_failure(const certificate *certificate, char text[SCENE_ERROR])
                  certificate_is_prestressed(certificate)
                      ? ""
                      : "; write simulate: {influence: target}, or make the target smaller");
-    else if (loop->failed > 0)
+    else if (loop->failed + loop->hysteresis_failed > 0)
         snprintf(
             rest, room,
-            "after a storm of targets at gain %g, frequency %g, step limit x %g the shape ends "
+            "after a storm of targets at %sgain %g, frequency %g, step limit x %g the shape ends "
             "%.3g %s from the best one (allowed: %g); %d of %d storms do not settle",
-            loop->worst_gain, loop->worst_frequency, loop->worst_step, loop->worst, unit,
-            CERTIFICATE_TOLERANCE, loop->failed, loop->storms);
+            hysteresis, loop->worst_gain, loop->worst_frequency, loop->worst_step, loop->worst,
+            unit, CERTIFICATE_TOLERANCE, loop->failed + loop->hysteresis_failed,
+            loop->storms + loop->hysteresis_storms);
     else
         snprintf(rest, room, "at gain %g, frequency %g vibration grows %.5g times a tick",
                  loop->at_gain, loop->at_frequency, loop->radius);

@@ -113,13 +113,19 @@ static double residual_periods(double angle, double gain)
     return angle > 0 ? log(0.05) / log1p(-gain) * angle / two_pi : (double)NAN;
 }
 
+/* Number of storms (simulations with fast jumps of the target) in which a loop does not settle. */
+static int count_failures(const certificate_loop *loop)
+{
+    return loop->failed + loop->hysteresis_failed + loop->target.failed;
+}
+
 /*
  * Number of storms (simulations with fast jumps of the target) that may fail to settle with the
  * next choice of settings. With one more failure it is no better than the best choice so far.
  */
 static int enough_failures(const certificate_loop *best)
 {
-    const int failed = best->is_stable ? 0 : best->failed + best->target.failed;
+    const int failed = best->is_stable ? 0 : count_failures(best);
     if (!best->is_made || failed > ENOUGH)
         return ENOUGH;
     return failed > 0 ? failed : 1;
@@ -140,10 +146,12 @@ static int try_settings(trial *trial, const damper_options *options, int older,
     memset(loop, 0, sizeof *loop);
     if (trial_use(trial, options, error) < 0 ||
         trial_measure_growth(&trial->rig, loop, &is_stable, error) < 0 ||
-        (is_stable && trial_run_storms(&trial->rig, STORMS, enough, loop, error) < 0))
+        (is_stable && trial_run_storms(&trial->rig, STORMS, enough, loop, error) < 0) ||
+        (is_stable && loop->failed == 0 &&
+         trial_run_hysteresis(&trial->rig, enough, loop, error) < 0))
         return -1;
     loop->is_made = true;
-    loop->is_stable = is_stable && loop->failed == 0;
+    loop->is_stable = is_stable && loop->failed + loop->hysteresis_failed == 0;
     if (loop->is_stable && trial_certify_target(trial, enough, &loop->target, error) < 0)
         return -1;
     loop->is_stable = loop->is_stable && (!loop->target.is_made || loop->target.is_stable);
@@ -200,7 +208,7 @@ static bool is_better(const certificate_loop *loop, const certificate_loop *best
      * the target) is better.
      */
     if (!loop->is_stable)
-        return loop->failed + loop->target.failed < best->failed + best->target.failed;
+        return count_failures(loop) < count_failures(best);
     /*
      * Of two loops that pass the stability tests, the better one tolerates the larger error of the
      * assumed delay of the readings. It may settle somewhat later than the first loop that passed

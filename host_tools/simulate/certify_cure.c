@@ -8,6 +8,7 @@
 #include "../model/certificate_make.h"
 #include "../system/progress.h"
 #include "certify_trial.h"
+#include "imperfections_scene.h"
 #include "simulation.h"
 
 /*
@@ -78,6 +79,43 @@ static double mean_diagonal(const design *design)
     return trace / (double)amplifiers;
 }
 
+/*
+ * Make the section `hysteresis` of a scene file that describes the hysteresis of the simulated
+ * plant. Returns false where no such section compensates it: there is no hysteresis, the amplifiers
+ * differ in their limits, or the loop has limits between amplifiers.
+ */
+static bool make_section(const design *design, scene_hysteresis *section)
+{
+    const double share = imperfections_hysteresis(design) * 16 / 5;
+    const double low = design->lower[0], high = design->upper[0];
+    bool is_common = true;
+    for (int k = 1; k < design->amplifiers; k++)
+        is_common = is_common && !(design->lower[k] < low) && !(design->lower[k] > low) &&
+                    !(design->upper[k] < high) && !(design->upper[k] > high);
+    if (!(share > 0) || !(share < 1) || !is_common || design->problem.limit_rows != NULL)
+        return false;
+    *section = (scene_hysteresis){.given = true, .range = {low, high}};
+    section->slope.count = PZS_HYSTERESIS_SEGMENTS;
+    section->slack.count = section->above.count = section->below.count = PLAYS;
+    for (uint32_t i = 0; i < PZS_HYSTERESIS_SEGMENTS; i++)
+        section->slope.value[i] = 1 - share;
+    for (int i = 0; i < PLAYS; i++) {
+        section->slack.value[i] = (high - low) / 2 * (i + 1) / (2 * PLAYS);
+        section->above.value[i] = section->below.value[i] = share / PLAYS;
+    }
+    return true;
+}
+
+/*
+ * Whether the control loop passes all stability tests if it compensates the hysteresis of the
+ * simulated plant.
+ */
+static bool is_stable_compensated(const design *design)
+{
+    scene changed = *design->scene;
+    return make_section(design, &changed.hysteresis) && is_certified(&changed);
+}
+
 /* Find the smallest of the regularisations `cures` with which the control loop is stable. */
 static void find_regularisation(const design *design, certificate_loop *loop)
 {
@@ -99,4 +137,6 @@ void trial_find_cure(const analysis *analysis, certificate_loop *loop)
     loop->is_free_cause = is_stable_without_free(&analysis->design);
     if (!loop->is_free_cause)
         find_regularisation(&analysis->design, loop);
+    if (!loop->is_free_cause && loop->worst_hysteresis > 0)
+        loop->is_compensation_cure = is_stable_compensated(&analysis->design);
 }

@@ -125,7 +125,9 @@ storm_plant trial_plant(int i, int older)
 typedef struct storms {
     certificate_loop *loop;
     int count;
-    int enough; /* number of failed simulations after which no further one is run */
+    int enough;        /* number of failed simulations after which no further one is run */
+    double hysteresis; /* width of the hysteresis loop that the loop does not compensate, relative
+                          to the voltage range */
 } storms;
 
 static bool visit_storm(void *context, const storm_task *task, const storm_result *result)
@@ -135,12 +137,14 @@ static bool visit_storm(void *context, const storm_task *task, const storm_resul
     loop->storms++;
     loop->failed += !result->passed;
     loop->gate.storms += result->gated > 0;
+    loop->unseen = fmax(loop->unseen, result->unseen);
     loop->ticks += (double)result->ticks / storms->count;
     if (result->end > loop->worst) {
         loop->worst = result->end;
         loop->worst_gain = task->plant.gain;
         loop->worst_frequency = task->plant.frequency;
         loop->worst_step = task->plant.step_limit;
+        loop->worst_hysteresis = task->plant.has_hysteresis ? storms->hysteresis : 0;
     }
     return loop->failed < storms->enough;
 }
@@ -148,11 +152,39 @@ static bool visit_storm(void *context, const storm_task *task, const storm_resul
 int trial_run_storms(const storm_rig *rig, int count, int enough, certificate_loop *loop,
                      char *error)
 {
-    storms storms = {.loop = loop, .count = count, .enough = enough};
+    storms storms = {.loop = loop, .count = count, .enough = enough, .hysteresis = rig->play};
     storm_task task[STORMS];
     for (int i = 0; i < count; i++)
         task[i] = (storm_task){.plant = trial_plant(i, 0)};
     return storm_batch_run(rig, task, count, visit_storm, &storms, error);
+}
+
+int trial_run_hysteresis(const storm_rig *rig, int enough, certificate_loop *loop, char *error)
+{
+    certificate_loop own = {.worst = loop->worst};
+    storms storms = {
+        .loop = &own, .count = HYSTERESIS_STORMS, .enough = enough, .hysteresis = rig->play};
+    storm_task task[HYSTERESIS_STORMS];
+    if (!(rig->play > 0))
+        return 0;
+    for (int i = 0; i < HYSTERESIS_STORMS; i++) {
+        task[i] = (storm_task){.plant = trial_plant(i % SEEDS * 2 * PLANTS + i, 0)};
+        task[i].plant.has_hysteresis = true;
+    }
+    if (storm_batch_run(rig, task, HYSTERESIS_STORMS, visit_storm, &storms, error) < 0)
+        return -1;
+    loop->hysteresis = rig->play;
+    loop->hysteresis_storms = own.storms;
+    loop->hysteresis_failed = own.failed;
+    loop->unseen = own.unseen;
+    if (!(own.worst > loop->worst))
+        return 0;
+    loop->worst = own.worst;
+    loop->worst_gain = own.worst_gain;
+    loop->worst_frequency = own.worst_frequency;
+    loop->worst_step = own.worst_step;
+    loop->worst_hysteresis = own.worst_hysteresis;
+    return 0;
 }
 
 int trial_certify_target(const trial *trial, int enough, certificate_target *target, char *error)

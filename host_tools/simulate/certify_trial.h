@@ -17,7 +17,9 @@ enum {
                    settle) after which no further simulation is run */
     SEEDS = 3,  /* number of random sequences of targets for the simulations with fast target jumps
                  */
-    STORMS = PLANTS * 2 * SEEDS
+    STORMS = PLANTS * 2 * SEEDS,
+    HYSTERESIS_STORMS = PLANTS * 2 /* number of storms (simulations with fast target jumps) on
+                                      ceramic with hysteresis that the loop does not compensate */
 };
 
 /*
@@ -119,6 +121,15 @@ int trial_run_storms(const storm_rig *rig, int count, int enough, certificate_lo
                      char *error);
 
 /*
+ * Run storms (simulations with fast jumps of the target) on ceramic with the hysteresis of the
+ * simulated plant, where the loop does not compensate it: each structure with each step limit, on
+ * the three sequences of targets in turn. The results are added to those of the other storms.
+ *   enough  in  number of storms that fail to settle after which the others are left out
+ * Returns 0, or -1 with error filled.
+ */
+int trial_run_hysteresis(const storm_rig *rig, int enough, certificate_loop *loop, char *error);
+
+/*
  * Test the stability of the loop on the structure linearised about the equilibrium at its target
  * shape. If there is no such equilibrium, store only the reason in `target`.
  *   enough  in  number of failed storms (simulations with fast jumps of the target) after which the
@@ -184,9 +195,9 @@ int trial_choose_fading(trial *trial, char *error);
 
 /*
  * For a loop that is not stable, find a change of the scene with which the loop is stable: without
- * the free functions of the target (shapes that may be added to it at no cost), or with a larger
- * regularisation of the voltages. The results are loop->is_free_cause, loop->cure and
- * loop->cures_tried.
+ * the free functions of the target (shapes that may be added to it at no cost), with a larger
+ * regularisation of the voltages, or with compensation of hysteresis. The results are
+ * loop->is_free_cause, loop->cure, loop->cures_tried and loop->is_compensation_cure.
  */
 void trial_find_cure(const analysis *analysis, certificate_loop *loop);
 

@@ -89,30 +89,30 @@ static bool has_hysteresis(const imperfection_tables *tables)
     return tables->hysteresis > 0;
 }
 
-static double through_play(electrode *electrode, double voltage, double half_range, double share)
+/*
+ * After a full cycle the mean output of the play operators has a loop whose width is 5/16 of the
+ * voltage range. The factor 16/5 scales this width to the hysteresis that the scene file states.
+ */
+double imperfections_play(double play[PLAYS], double voltage, double half_range, double hysteresis)
 {
+    const double share = hysteresis * 16 / 5;
     double mean = 0;
     for (int i = 0; i < PLAYS; i++) {
         const double slack = half_range * (i + 1) / (2 * PLAYS);
-        electrode->play[i] = fmin(fmax(electrode->play[i], voltage - slack), voltage + slack);
-        mean += electrode->play[i] / PLAYS;
+        play[i] = fmin(fmax(play[i], voltage - slack), voltage + slack);
+        mean += play[i] / PLAYS;
     }
     return voltage + share * (mean - voltage);
 }
 
-/*
- * Apply the hysteresis model to the voltages. After a full cycle the mean output of the play
- * operators has a loop whose width is 5/16 of the voltage range. The factor 16/5 scales this width
- * to the hysteresis that the scene file states.
- */
 static void apply_hysteresis(const imperfections *on, double *voltage, double interval)
 {
     const imperfection_tables *tables = &on->tables;
-    const double share = tables->hysteresis * 16 / 5;
     (void)interval;
     for (int k = 0; k < tables->amplifiers; k++)
-        voltage[k] = through_play(&on->electrode[k], voltage[k],
-                                  (tables->upper[k] - tables->lower[k]) / 2, share);
+        voltage[k] =
+            imperfections_play(on->electrode[k].play, voltage[k],
+                               (tables->upper[k] - tables->lower[k]) / 2, tables->hysteresis);
 }
 
 static bool has_creep(const imperfection_tables *tables)

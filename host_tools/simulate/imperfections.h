@@ -106,6 +106,15 @@ typedef struct imperfections {
 double amplifier_lag(double *output, double command, double bandwidth, double interval);
 
 /*
+ * Return the voltage that acts on the ceramic of an electrode with hysteresis (V).
+ *   play [PLAYS] in/out  outputs of the play operators of the electrode (V)
+ *   voltage      in      voltage of the electrode (V)
+ *   half_range   in      half the range of the voltages (V)
+ *   hysteresis   in      width of the hysteresis loop of a full cycle relative to this range
+ */
+double imperfections_play(double play[PLAYS], double voltage, double half_range, double hysteresis);
+
+/*
  * Return whether the voltages on the ceramic vary between two ticks, because the amplifiers have a
  * first-order lag.
  */

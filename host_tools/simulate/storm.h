@@ -5,8 +5,10 @@
  * that is stable without limits into a limit cycle. Times in periods of the first vibration mode:
  *   jumps  10 targets, one every 0.6 periods: the scene's target, its negative, or the shape under
  *       random voltages of up to twice the limits
- *   rest   the scene's target for 12 periods. The storm settles if the shape ends within 5 % (of
- *       the target's norm) of the best shape that the limits allow
+ *   rest   the scene's target for 12 periods, and up to three times as long where hysteresis
+ * weakens small changes of the voltages. The storm settles if the shape ends within 5 % (of the
+ * target's norm) of the best shape that the limits, and hysteresis, allow; or, where few sensors
+ * show only a part of the effect of hysteresis, if the shape comes to rest
  */
 #ifndef STORM_H
 #define STORM_H
@@ -23,6 +25,10 @@ typedef struct storm_result {
     double growth; /* growth factor per tick of the amplitude of small vibrations of the structure,
                       mean over the second half of the simulation; only for simulations without
                       voltage limits */
+    double unseen; /* in a loop with few sensors that does not compensate hysteresis, and whose
+                      shape has not come near the best one: distance of the shape from the best one
+                      in the last quarter of the time without jumps, divided by the norm of the
+                      target. `end` is then measured from the shape at that time. Otherwise 0 */
     int ticks;
     int gated; /* number of ticks in which the sensor gate of the loop has taken readings away */
     bool passed;

@@ -19,6 +19,46 @@ static hysteresis_memory memory_of(const storm *storm, size_t k)
     return memory;
 }
 
+/*
+ * Return the equivalent voltage that the ceramic of electrode k has after its voltage has moved
+ * from the present one to another, in a loop that does not compensate hysteresis.
+ */
+static double effect_at(const storm *storm, size_t k, double voltage)
+{
+    const design *design = &storm->rig->analysis->design;
+    double play[PLAYS];
+    memcpy(play, storm->play + k * PZS_PLAY_LIMIT, sizeof play);
+    return imperfections_play(play, voltage, (design->upper[k] - design->lower[k]) / 2,
+                              storm->width);
+}
+
+bool storm_renew_stroke(storm *storm)
+{
+    const size_t amplifiers = storm->rig->amplifiers;
+    const design *design = &storm->rig->analysis->design;
+    bool has_changed = false;
+    for (size_t k = 0; k < amplifiers && storm->width > 0; k++) {
+        double *stroke = storm->stroke + k;
+        const double low = effect_at(storm, k, design->lower[k]);
+        const double high = effect_at(storm, k, design->upper[k]);
+        has_changed |= low < stroke[0] || low > stroke[0] || high < stroke[amplifiers] ||
+                       high > stroke[amplifiers];
+        stroke[0] = low;
+        stroke[amplifiers] = high;
+    }
+    return has_changed;
+}
+
+/*
+ * Width of the hysteresis loop of the ceramic in a simulation whose loop does not compensate
+ * hysteresis. Simulations without limits have none, because it is relative to the voltage range.
+ */
+static double width_of(const storm *storm)
+{
+    const bool has_play = storm->plant->has_hysteresis && !storm->plant->ceramic;
+    return has_play && !storm_is_free(storm) ? storm->rig->play : 0;
+}
+
 void storm_start_ceramic(storm *storm)
 {
     const size_t amplifiers = storm->rig->amplifiers;
@@ -28,6 +68,7 @@ void storm_start_ceramic(storm *storm)
     for (int k = 0; k < storm->blocks; k++)
         if (storm->block[k].type == &pzs_effect_block)
             storm->hysteresis = &storm->rig->ceramic.tables;
+    storm->width = width_of(storm);
     for (size_t k = 0; k < amplifiers; k++) {
         double *stroke = storm->stroke + k;
         stroke[0] = ceramic ? ceramic->lowest[k] : lower[k];
@@ -40,6 +81,7 @@ void storm_start_ceramic(storm *storm)
         stroke[amplifiers] =
             pzs_hysteresis_effect(storm->hysteresis, (uint32_t)k, memory, upper[k]);
     }
+    (void)storm_renew_stroke(storm);
 }
 
 /*
@@ -70,6 +112,16 @@ static double straight_effect(const storm *storm, size_t k)
     return low + part * (high - low);
 }
 
+/* Apply the hysteresis of a ceramic that the loop does not compensate. */
+static void apply_play(storm *storm)
+{
+    const design *design = &storm->rig->analysis->design;
+    for (size_t k = 0; k < storm->rig->amplifiers; k++)
+        storm->acting[k] =
+            imperfections_play(storm->play + k * PZS_PLAY_LIMIT, storm->driven[k],
+                               (design->upper[k] - design->lower[k]) / 2, storm->width);
+}
+
 void storm_advance_ceramic(storm *storm)
 {
     const storm_ceramic *ceramic = storm->plant->ceramic;
@@ -79,6 +131,8 @@ void storm_advance_ceramic(storm *storm)
         ceramic->act(ceramic->state, storm->driven, storm->acting);
         return;
     }
+    if (storm->width > 0)
+        apply_play(storm);
     for (size_t k = 0; k < storm->rig->amplifiers && storm->hysteresis; k++) {
         const hysteresis_memory memory = memory_of(storm, k);
         const double straight = straight_effect(storm, k);

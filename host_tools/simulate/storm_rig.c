@@ -7,6 +7,7 @@
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
+#include "imperfections_scene.h"
 
 int storm_no_memory(const analysis *analysis, char *error)
 {
@@ -101,6 +102,20 @@ double storm_unit(const storm_rig *rig)
     return norm > 0 ? rig->scale / norm : HUGE_VAL;
 }
 
+/*
+ * Width of the hysteresis loop of the simulated plant relative to the voltage range. 0: the loop
+ * compensates hysteresis, or the range is infinite.
+ */
+static double plant_hysteresis(const design *design)
+{
+    if (design->hysteresis.given)
+        return 0;
+    for (int k = 0; k < design->amplifiers; k++)
+        if (!isfinite(design->upper[k] - design->lower[k]))
+            return 0;
+    return imperfections_hysteresis(design);
+}
+
 static bool take_memory(storm_rig *rig)
 {
     const size_t amplifiers = rig->amplifiers, sensors = rig->sensors, targets = rig->targets;
@@ -154,10 +169,13 @@ void storm_use(storm_rig *rig, const pzs_block *block, int blocks, int delay)
     rig->delay = delay;
 }
 
-int storm_open(storm_rig *rig, const analysis *analysis, const estimator *estimator, char *error)
+/*
+ * Fill a rig that is empty but for its vibration modes. Returns 0, or -1 with error filled.
+ */
+static int fill_rig(storm_rig *rig, const analysis *analysis, const estimator *estimator,
+                    char *error)
 {
     const design *design = &analysis->design;
-    memset(rig, 0, sizeof *rig);
     rig->analysis = analysis;
     rig->estimator = estimator;
     rig->interval = 1 / design->control.rate;
@@ -165,9 +183,6 @@ int storm_open(storm_rig *rig, const analysis *analysis, const estimator *estima
     rig->targets = (size_t)design->targets;
     rig->amplifiers = (size_t)design->amplifiers;
     rig->sensors = estimator ? (size_t)estimator->sensors : rig->targets;
-    if (analysis_vibration(analysis, &rig->vibration,
-                           design->simulate.given ? design->simulate.modes : 100, error) < 0)
-        return -1;
     if (!take_memory(rig) || !modal_open(&rig->modal, design, &rig->vibration, rig->amplifiers))
         return storm_no_memory(analysis, error);
     list_rows(rig);
@@ -176,7 +191,25 @@ int storm_open(storm_rig *rig, const analysis *analysis, const estimator *estima
     if (!fill_ticks(rig) || !fill_scale(rig))
         return storm_no_memory(analysis, error);
     compensation_fill(&rig->ceramic, &design->hysteresis, &design->problem, design->control.rate);
+    rig->play = plant_hysteresis(design);
     return 0;
+}
+
+int storm_open(storm_rig *rig, const analysis *analysis, const estimator *estimator, char *error)
+{
+    const design *design = &analysis->design;
+    memset(rig, 0, sizeof *rig);
+    if (analysis_vibration(analysis, &rig->vibration,
+                           design->simulate.given ? design->simulate.modes : 100, error) < 0)
+        return -1;
+    return fill_rig(rig, analysis, estimator, error);
+}
+
+int storm_open_static(storm_rig *rig, const analysis *analysis, const estimator *estimator,
+                      char *error)
+{
+    memset(rig, 0, sizeof *rig);
+    return fill_rig(rig, analysis, estimator, error);
 }
 
 bool storm_deform(storm_rig *rig, const deformed *deformed)

@@ -47,7 +47,10 @@ typedef struct storm_plant {
     const storm_ceramic *ceramic; /* ceramic of the electrodes of the simulated structure, if it is
                                      not that of the scene file. NULL: the hysteresis and creep of
                                      the scene file are simulated if the loop compensates them;
-                                     otherwise there are none */
+                                     otherwise `has_hysteresis` says whether there is any */
+    bool has_hysteresis; /* true: where the loop does not compensate hysteresis, the ceramic has the
+                            hysteresis of the simulated plant of the scene file (storm_rig.play);
+                            false: it has none there */
     double less_hysteresis; /* part, from 0 to 1, by which the ceramic has less hysteresis and creep
                                than the scene file describes */
     double less_bandwidth; /* part by which the corner frequency of the amplifiers is lower than the
@@ -75,6 +78,8 @@ typedef struct storm_rig {
                        */
     size_t sensors, targets, amplifiers;
     compensation ceramic; /* hysteresis and creep of the ceramic that the scene file describes */
+    double play; /* width of the hysteresis loop of the simulated plant relative to the voltage
+                    range, where the loop does not compensate hysteresis; otherwise 0 */
     vibration vibration;
     modal modal;
     const double *offset; /* [outputs] displacement of each output row at 0 V, on a structure
@@ -112,6 +117,13 @@ typedef struct storm_rig {
  */
 int storm_open(storm_rig *rig, const analysis *analysis, const estimator *estimator, char *error);
 void storm_close(storm_rig *rig);
+
+/*
+ * Prepare the same data for a structure without mass: it is in equilibrium in every tick. The scene
+ * needs neither densities nor a tick rate.
+ */
+int storm_open_static(storm_rig *rig, const analysis *analysis, const estimator *estimator,
+                      char *error);
 
 /*
  * Let the following storms (simulations with fast target jumps) move the structure linearised about

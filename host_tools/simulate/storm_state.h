@@ -52,12 +52,15 @@ typedef struct storm {
                         the electrodes (V). They differ from the voltage limits of the amplifiers
                         because of hysteresis. */
     double *play;    /* [amplifiers][PZS_PLAY_LIMIT] outputs of the play operators of the hysteresis
-                        model (V) */
+                        model (V); without compensation the first PLAYS of them are those of the
+                        simulated plant (imperfections.h) */
     double *creep;   /* [amplifiers][PZS_CREEP_LIMIT] outputs of the first-order lags of the creep
                         model (V) */
     const pzs_hysteresis *hysteresis; /* hysteresis and creep of the ceramic as the scene file
                                          describes them; NULL where the loop does not compensate
                                          them */
+    double width; /* width of the hysteresis loop of the ceramic relative to the voltage range, in a
+                     loop that does not compensate hysteresis; 0: no hysteresis */
     double *previous_voltage; /* [amplifiers] voltages of the amplifiers before the last control
                                  tick (V) */
     double *target;           /* [targets] target shape in the present tick */
@@ -138,12 +141,19 @@ void storm_compute_rest(storm *storm, const double *voltage);
 pzs_status storm_find_best(storm *storm, double *voltage);
 
 /*
- * Choose the hysteresis model of the ceramic: that of the scene file if the loop compensates
- * hysteresis, otherwise none. Then compute from it the lowest and highest equivalent voltages of
- * the ceramic, those at the voltage limits after rest at 0 V. The equivalent voltage would cause
- * the same strain without hysteresis.
+ * Choose the hysteresis model of the ceramic: that of the section `hysteresis` of the scene file if
+ * the loop compensates hysteresis; otherwise that of the simulated plant, or none. Then compute
+ * from it the lowest and highest equivalent voltages of the ceramic, those at the voltage limits
+ * after rest at 0 V. The equivalent voltage would cause the same strain without hysteresis.
  */
 void storm_start_ceramic(storm *storm);
+
+/*
+ * Compute the lowest and highest equivalent voltages of a ceramic whose hysteresis the loop does
+ * not compensate, from its present state. Where the voltage limits are not symmetric they depend on
+ * the largest voltages so far. Returns whether any of them has changed.
+ */
+bool storm_renew_stroke(storm *storm);
 
 /*
  * Advance the amplifiers, and the hysteresis and creep of the ceramic, by one tick interval under

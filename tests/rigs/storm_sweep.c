@@ -2,7 +2,7 @@
  * Storms: structures x control laws (storm_sweep.h). Each number is the count of storms, of 30,
  * that do not settle: five structures around the model, delays of 0, 1 and 3 ticks, whole and
  * quarter step limits. The damped tick has its default settings, or those that its certificate
- * chooses.
+ * chooses; with the latter the storms also run on ceramic with the hysteresis of the scene.
  *
  * SPDX-License-Identifier: BSD-2-Clause
  */
@@ -23,9 +23,13 @@ static const storm_structure structures[] = {
 };
 enum { STRUCTURES = sizeof structures / sizeof *structures };
 
-/* DAMPED: default settings of the vibration damper; CHOSEN: those that the certificate chooses. */
-typedef enum law_kind { STEP, LEAKY, CLIPPED, DAMPED, CHOSEN, LAWS_TRIED } law_kind;
-static const char *const law_name[LAWS_TRIED] = {"step", "leaky", "clipped", "damped", "chosen"};
+/*
+ * DAMPED: default settings of the vibration damper; CHOSEN: those that the certificate chooses;
+ * HYSTERESIS: the same on ceramic with hysteresis, tried together with CHOSEN.
+ */
+typedef enum law_kind { STEP, LEAKY, CLIPPED, DAMPED, CHOSEN, HYSTERESIS, LAWS_TRIED } law_kind;
+static const char *const law_name[LAWS_TRIED] = {"step",   "leaky",  "clipped",
+                                                 "damped", "chosen", "hysteresis"};
 
 static const int delays[] = {0, 1, 3};
 static const double gain[] = {1, 0.8, 0.8, 1.33, 1.33}, frequency[] = {1, 0.9, 1.1, 0.9, 1.1};
@@ -127,15 +131,16 @@ static const pzs_block_type pass_block = {"controller", PZS_PHASE_STEP, pass_byt
 
 /* ---- storms ------------------------------------------------------------ */
 
-/* Ten storms of a rig with its list of blocks. */
-static int ten_storms(const storm_rig *rig, tally *t, const char *name)
+/* Ten storms of a rig with its list of blocks, with hysteresis or without. */
+static int ten_storms(const storm_rig *rig, bool has_hysteresis, tally *t, const char *name)
 {
     char error[SCENE_ERROR];
     for (int i = 0; i < 10; i++) {
         const storm_plant plant = {.gain = gain[i % 5],
                                    .frequency = frequency[i % 5],
                                    .step_limit = i < 5 ? 1 : 0.25,
-                                   .seed = 3};
+                                   .seed = 3,
+                                   .has_hysteresis = has_hysteresis};
         storm_result result;
         if (storm_run(rig, &plant, &result, error) < 0)
             return complain(name, error);
@@ -144,6 +149,17 @@ static int ten_storms(const storm_rig *rig, tally *t, const char *name)
         t->worst = result.end > t->worst ? result.end : t->worst;
     }
     return 0;
+}
+
+/*
+ * Storms of a rig with its list of blocks. With the settings that the certificate chooses the same
+ * storms follow with hysteresis.
+ *   t in/out  tally of the law; that of HYSTERESIS follows that of CHOSEN
+ */
+static int try_storms(const storm_rig *rig, law_kind kind, tally *t, const char *name)
+{
+    const int failed = ten_storms(rig, false, t, name);
+    return kind == CHOSEN && !failed ? ten_storms(rig, true, t + 1, name) : failed;
 }
 
 /* Make the tables of the vibration damper with its default settings, or with the chosen ones. */
@@ -174,7 +190,7 @@ static int try_other(storm_rig *rig, loop_blocks *blocks, law_kind kind, tally *
         if (blocks->block[k].type == &pzs_step_block)
             blocks->block[k] = other;
     storm_use(rig, blocks->block, blocks->count, design->simulate.delay);
-    int failed = ten_storms(rig, t, name);
+    int failed = try_storms(rig, kind, t, name);
     if (law.problem.step_limit != design->problem.step_limit)
         failed = complain(name, "a storm has changed the tables of its control law");
     law_close(&law);
@@ -183,7 +199,8 @@ static int try_other(storm_rig *rig, loop_blocks *blocks, law_kind kind, tally *
 
 /* Storms of the damped tick in the controller of the calling program. */
 static int try_controller(storm_rig *rig, const loop_blocks *blocks, const damper *damper,
-                          const storm_controller *controller, tally *t, const char *name)
+                          const storm_controller *controller, law_kind kind, tally *t,
+                          const char *name)
 {
     passed p = {blocks->problem, &damper->tables, controller, NULL};
     p.voltage = calloc(p.problem.inputs, sizeof *p.voltage);
@@ -191,7 +208,7 @@ static int try_controller(storm_rig *rig, const loop_blocks *blocks, const dampe
         return complain(name, "out of memory");
     const pzs_block block = {&pass_block, &p};
     storm_use(rig, &block, 1, blocks->design->simulate.delay);
-    const int failed = ten_storms(rig, t, name);
+    const int failed = try_storms(rig, kind, t, name);
     free(p.voltage);
     return failed;
 }
@@ -212,14 +229,13 @@ static int try_law(storm_rig *rig, analysis *analysis, law_kind kind, const swee
     if (kind == LEAKY || kind == CLIPPED)
         failed = try_other(rig, &blocks, kind, t, name);
     else if (kind >= DAMPED && sweep->controller)
-        failed = try_controller(rig, &blocks, &damper, sweep->controller, t, name);
+        failed = try_controller(rig, &blocks, &damper, sweep->controller, kind, t, name);
     else
-        failed = ten_storms(rig, t, name);
+        failed = try_storms(rig, kind, t, name);
     if (kind >= DAMPED && sweep->same && !failed) {
-        tally other = *t;
-        other.worst = 0;
-        failed = try_controller(rig, &blocks, &damper, sweep->same, &other, name);
-        if (!failed && memcmp(&other.worst, &t->worst, sizeof other.worst) != 0)
+        tally other[2] = {{0}}; /* the second is that of HYSTERESIS */
+        failed = try_controller(rig, &blocks, &damper, sweep->same, kind, other, name);
+        if (!failed && memcmp(&other->worst, &t->worst, sizeof t->worst) != 0)
             failed = complain(name, "the controller of the program has other bits");
     }
     damper_close(&damper);
@@ -238,7 +254,7 @@ static int try_structure(const storm_structure *s, const sweep *sweep, tally t[L
     certificate_make(&run.analysis.certificate, &run.analysis);
     if (storm_open(&rig, &run.analysis, NULL, run.error) < 0)
         return complain(s->name, run.error);
-    for (int kind = (int)sweep->from; kind < LAWS_TRIED; kind++)
+    for (int kind = (int)sweep->from; kind < HYSTERESIS; kind++)
         for (int d = 0; d < sweep->delays; d++) {
             run.analysis.design.simulate.delay = delays[d];
             failed |= try_law(&rig, &run.analysis, (law_kind)kind, sweep, &t[kind], s->name) < 0;
@@ -253,7 +269,7 @@ static int run_full(const sweep *sweep)
     int bad = 0;
     printf("  %-32s", "storms that do not settle, of 30");
     for (int kind = (int)sweep->from; kind < LAWS_TRIED; kind++)
-        printf(" %9s %9s", law_name[kind], "worst");
+        printf(" %10s %9s", law_name[kind], "worst");
     putchar('\n');
     for (int i = 0; i < STRUCTURES; i++) {
         tally t[LAWS_TRIED] = {{0}};
@@ -261,7 +277,7 @@ static int run_full(const sweep *sweep)
             return 1;
         printf("  %-32s", structures[i].name);
         for (int kind = (int)sweep->from; kind < LAWS_TRIED; kind++)
-            printf(" %9d %9.2g", t[kind].failed, t[kind].worst);
+            printf(" %10d %9.2g", t[kind].failed, t[kind].worst);
         putchar('\n');
         fflush(stdout);
         bad += t[DAMPED].failed + t[CHOSEN].failed > 0;
@@ -281,13 +297,15 @@ static int run_quick(const sweep *sweep)
         if (try_structure(&structures[i], sweep, t) < 0)
             return 1;
         printf("%s: of %d storms %d fail with the damped tick%s, worst %.3g, %d with the settings "
-               "that its certificate chooses, worst %.3g",
+               "that its certificate chooses, worst %.3g, %d with these and hysteresis, worst %.3g",
                structures[i].name, t[DAMPED].storms, t[DAMPED].failed, sweep->precision,
-               t[DAMPED].worst, t[CHOSEN].failed, t[CHOSEN].worst);
+               t[DAMPED].worst, t[CHOSEN].failed, t[CHOSEN].worst, t[HYSTERESIS].failed,
+               t[HYSTERESIS].worst);
         if (t[CLIPPED].storms > 0)
             printf("; %d with clipped least squares", t[CLIPPED].failed);
         putchar('\n');
-        bad += t[DAMPED].failed + t[CHOSEN].failed > 0 || t[CLIPPED].failed < t[CLIPPED].storms;
+        bad += t[DAMPED].failed + t[CHOSEN].failed + t[HYSTERESIS].failed > 0 ||
+               t[CLIPPED].failed < t[CLIPPED].storms;
     }
     printf("%s - storms%s\n", bad ? "not ok" : "ok", sweep->precision);
     return bad > 0;
