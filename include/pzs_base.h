@@ -147,6 +147,12 @@ typedef enum pzs_status {
      * can find. The measurements are used as they are; that of sensor info.where contradicts most.
      */
     PZS_W_CONTRADICTION,
+    /*
+     * Warning: the measured shape is opposite to the predicted one, and the supervisor tests
+     * whether amplifiers have the wrong polarity: the voltages ramp towards the park voltages and
+     * back, and do not follow the target.
+     */
+    PZS_W_POLARITY,
 
     /*
      * Status codes of errors have values from 64 on: a function that returns one has left its
@@ -215,8 +221,10 @@ typedef enum pzs_status {
     PZS_E_MASS,  /* Error: the free degree of freedom info.where has no mass. */
     PZS_E_MODES, /* Error: the vibration modes have not converged within the limit on linear solves;
                     info.where is the number of those that have. */
-    PZS_E_MODE_COUNT /* Error: more or fewer vibration modes lie below the last one than were found:
-                        info.where of them, by a count of negative pivots. */
+    PZS_E_MODE_COUNT, /* Error: more or fewer vibration modes lie below the last one than were
+                         found: info.where of them, by a count of negative pivots. */
+    PZS_E_CAPACITANCE /* Error: the open electrode info.where has no capacitance, or none of its own
+                         beside the open electrodes before it. */
 } pzs_status;
 
 #define PZS_IS_ERROR(status) ((status) >= PZS_E_ARGUMENT)

@@ -202,7 +202,7 @@ static pzs_status block_init(void *self, const void *tables, pzs_loop_signals *s
     const pzs_status status = check(tables, signals->control->state.problem, &signals->where);
     if (status != PZS_OK)
         return status;
-    if (signals->has_damper)
+    if (signals->vibration != NULL)
         return PZS_E_STAGE;
     memset(self, 0, block_bytes(tables, signals->control->state.problem));
     place(self, tables);

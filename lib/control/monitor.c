@@ -18,11 +18,12 @@
  * In a loop with a vibration damper, an implausible amplitude is an alarm only if it lasts for two
  * periods of the first mode and does not fall from one half period to the next, because several
  * shocks by loads may follow each other. A wrong polarity and sensors that are all stuck have
- * monitors of their own (polarity.h, stuck.h).
+ * monitors of their own (polarity.h, polarity_test.h, stuck.h).
  */
 #include <string.h>
 #include "monitor.h"
 #include "polarity.h"
+#include "polarity_test.h"
 #include "stuck.h"
 #include "../core/guard.h"
 #include "../core/numbers.h"
@@ -199,6 +200,8 @@ static void start(pzs_monitor_state *monitor, const pzs_loop_signals *signals, b
     monitor->later = 0;
     monitor->vibrating = 0;
     monitor->polarity.remaining = 0;
+    if (!number_is_finite(monitor->test.tolerated))
+        monitor->test.tolerated = 0;
     monitor->stuck.repeats = 0;
     monitor->stuck.moved = 0;
     monitor->is_opposed = false;
@@ -295,7 +298,8 @@ static bool follow_modes(pzs_monitor_state *monitor, const pzs_supervision *tabl
 
 pzs_real pzs_monitor_threshold(const pzs_monitor_state *monitor, const pzs_supervision *tables)
 {
-    return MARGIN * monitor->envelope + NOISE_MARGIN * tables->noise + tables->load;
+    return MARGIN * monitor->envelope + NOISE_MARGIN * tables->noise + tables->load +
+           monitor->test.tolerated;
 }
 
 /*
@@ -332,8 +336,8 @@ static bool is_damaged(const pzs_monitor_state *monitor)
     const pzs_polarity_state *polarity = &monitor->polarity;
     return !number_is_finite(monitor->amplitude + monitor->envelope + monitor->moved +
                              monitor->answered + monitor->earlier + monitor->later +
-                             polarity->least + polarity->most_idle + polarity->before[0] +
-                             polarity->before[1]);
+                             monitor->test.tolerated + polarity->least + polarity->most_idle +
+                             polarity->before[0] + polarity->before[1]);
 }
 
 /*
@@ -348,6 +352,9 @@ static bool judge_shape(pzs_monitor_state *monitor, const pzs_supervision *table
     monitor->amplitude = now > faded ? now : faded;
     monitor->envelope = tables->fading * monitor->envelope + PZS_SQRT(sum.target);
     sum_moves(monitor, &sum, signals);
+    if (pzs_polarity_test_has_turn(&monitor->test))
+        pzs_polarity_test_compare(&monitor->test, tables, monitor->predicted, signals->measured,
+                                  signals->control->state.problem->outputs);
     return monitor->amplitude > pzs_monitor_threshold(monitor, tables) ||
            is_unanswered(monitor, tables);
 }
@@ -417,12 +424,67 @@ static bool moves_against(pzs_monitor_state *monitor, const pzs_supervision *tab
     return false;
 }
 
+/*
+ * Return what the polarity test compares. In a loop with a vibration damper these are readings,
+ * because its low-pass filter slows the measured shape down. The test uses the memory of all five
+ * arrays of the monitor, which starts anew after it.
+ */
+static polarity_test_shapes tested_shapes(const pzs_monitor_state *monitor,
+                                          const pzs_loop_signals *signals)
+{
+    const uint32_t outputs = signals->control->state.problem->outputs, most = 5u * outputs;
+    if (signals->sensed == NULL)
+        return (polarity_test_shapes){monitor->slow, signals->control->info.predicted,
+                                      signals->measured, outputs, 0};
+    return (polarity_test_shapes){monitor->slow, signals->expected, signals->sensed,
+                                  signals->sensors < most ? signals->sensors : most,
+                                  signals->delay};
+}
+
+bool pzs_monitor_asks_for_test(const pzs_monitor_state *monitor, const pzs_supervision *tables,
+                               uint32_t over)
+{
+    return pzs_polarity_test_is_due(&monitor->test, tables, over > 0 || monitor->vibrating > 0);
+}
+
+void pzs_monitor_begin_test(pzs_monitor_state *monitor, const pzs_loop_signals *signals)
+{
+    const polarity_test_shapes shapes = tested_shapes(monitor, signals);
+    monitor->is_started = false;
+    pzs_polarity_test_begin(&monitor->test, shapes.direction, shapes.predicted, shapes.count);
+}
+
+bool pzs_monitor_average(pzs_monitor_state *monitor, const pzs_supervision *tables,
+                         const pzs_loop_signals *signals, uint32_t tick)
+{
+    const polarity_test_shapes shapes = tested_shapes(monitor, signals);
+    pzs_polarity_test_average(&monitor->test, &shapes, tick);
+    return tick + 1u >= pzs_polarity_test_pause(tables, shapes.delay);
+}
+
+/*
+ * Whether a structure moves against its prediction, as the polarity monitor sees it; in some ticks,
+ * whose time the polarity test takes, the result of the tick before.
+ *   has_jumped in  whether the target has jumped in this tick
+ */
+static bool compare_motion(pzs_monitor_state *monitor, const pzs_supervision *tables,
+                           const pzs_loop_signals *signals, bool has_jumped)
+{
+    const bool is_free = !has_jumped && !monitor->is_first;
+    if (!is_free || !pzs_polarity_test_has_turn(&monitor->test))
+        return moves_against(monitor, tables, signals, has_jumped);
+    pzs_polarity_test_compare(&monitor->test, tables,
+                              compared(signals, signals->control->info.predicted, PREDICTED_PLACE),
+                              signals->measured, signals->control->state.problem->outputs);
+    return monitor->is_opposed;
+}
+
 /* Judge one tick of a loop with a vibration damper. Returns the number of implausible ticks. */
 static uint32_t judge_modes(pzs_monitor_state *monitor, const pzs_supervision *tables,
                             const pzs_loop_signals *signals, uint32_t over)
 {
     const bool has_jumped = follow_modes(monitor, tables, signals);
-    monitor->is_opposed = moves_against(monitor, tables, signals, has_jumped);
+    monitor->is_opposed = compare_motion(monitor, tables, signals, has_jumped);
     monitor->is_stuck = pzs_stuck_judge(&monitor->stuck, tables, signals, has_jumped);
     const uint32_t next = monitor->is_opposed ? over + 1u : lowered(over);
     const bool is_lost = keeps_vibrating(monitor, tables) || next > tables->polarity_ticks;

@@ -27,6 +27,25 @@ void pzs_monitor_place(pzs_monitor_state *monitor, pzs_real *memory, uint32_t ou
 pzs_real pzs_monitor_threshold(const pzs_monitor_state *monitor, const pzs_supervision *tables);
 
 /*
+ * Whether the measured shape has been opposite to its prediction for so long that the polarity has
+ * to be tested (polarity_test.h).
+ *   over in  number of implausible ticks
+ */
+bool pzs_monitor_asks_for_test(const pzs_monitor_state *monitor, const pzs_supervision *tables,
+                               uint32_t over);
+
+/* Begin a polarity test along the predicted shape of this tick. */
+void pzs_monitor_begin_test(pzs_monitor_state *monitor, const pzs_loop_signals *signals);
+
+/*
+ * Add the measurements of this tick to the average of a pause of the polarity test. Returns whether
+ * the pause ends with this tick.
+ *   tick in  number of the tick in the pause, from 0
+ */
+bool pzs_monitor_average(pzs_monitor_state *monitor, const pzs_supervision *tables,
+                         const pzs_loop_signals *signals, uint32_t tick);
+
+/*
  * Compare the measured shape in one tick with the shape that the model predicts. Returns the new
  * number of implausible ticks: one more if the difference is implausible, otherwise two less. An
  * alarm is due when this number exceeds alarm_ticks of the tables.

@@ -9,7 +9,8 @@
 #include "effect_range.h"
 #include "limit_rows.h"
 #include "monitor.h"
-#include "supervisor.h"
+#include "polarity_test.h"
+#include "pzs_loop.h"
 #include "scrub.h"
 #include "../core/guard.h"
 #include "../core/numbers.h"
@@ -25,7 +26,7 @@ static uint32_t list_parts(const pzs_supervision *tables, pzs_table_part part[PZ
     return 3;
 }
 
-uint32_t pzs_supervision_crc(const pzs_supervision *tables)
+static uint32_t checksum(const pzs_supervision *tables)
 {
     pzs_table_part part[PZS_TABLE_PARTS];
     return pzs_scrub_crc(part, list_parts(tables, part));
@@ -36,7 +37,7 @@ pzs_status pzs_supervision_seal(pzs_supervision *tables)
     if (tables == NULL || tables->park == NULL || tables->inputs == 0)
         return PZS_E_ARGUMENT;
     tables->format = PZS_TABLE_FORMAT;
-    tables->crc = pzs_supervision_crc(tables);
+    tables->crc = checksum(tables);
     return PZS_OK;
 }
 
@@ -76,7 +77,7 @@ static pzs_status check(const pzs_supervision *tables, const pzs_problem *proble
         return PZS_E_FORMAT;
     if (tables->park == NULL || tables->inputs != problem->inputs)
         return PZS_E_ARGUMENT;
-    if (pzs_supervision_crc(tables) != tables->crc)
+    if (checksum(tables) != tables->crc)
         return PZS_E_CRC;
     *where = pzs_guard_nonfinite(tables->park, tables->inputs);
     if (*where >= 0)
@@ -113,7 +114,9 @@ static const uint8_t transition[PZS_SUPERVISOR_MODES][PZS_EVENTS] = {
     [PZS_MODE_PARKED] = {STAY, STAY, STAY, PZS_MODE_PARKING, PZS_MODE_ARMED, PZS_MODE_STOPPING,
                          STAY, STAY, PZS_MODE_STOPPING, STAY},
     [PZS_MODE_STOPPING] = {STAY, STAY, STAY, STAY, STAY, STAY, STAY, STAY, STAY, PZS_MODE_LATCHED},
-    [PZS_MODE_LATCHED] = {STAY, STAY, STAY, STAY, STAY, STAY, STAY, STAY, STAY, STAY}};
+    [PZS_MODE_LATCHED] = {STAY, STAY, STAY, STAY, STAY, STAY, STAY, STAY, STAY, STAY},
+    [PZS_MODE_TESTING] = {STAY, PZS_MODE_HOLDING, STAY, PZS_MODE_PARKING, STAY, PZS_MODE_STOPPING,
+                          PZS_MODE_STOPPING, PZS_MODE_STOPPING, PZS_MODE_STOPPING, STAY}};
 
 pzs_supervisor_mode pzs_supervisor_next(pzs_supervisor_mode mode, pzs_supervisor_event event)
 {
@@ -274,6 +277,8 @@ static void process_event(pzs_supervisor *supervisor, pzs_supervisor_event event
     core->mode = pzs_supervisor_next((pzs_supervisor_mode)before, event);
     if (core->mode == before && !restarts)
         return;
+    if (before == PZS_MODE_TESTING)
+        core->remaining = 0;
     if (core->mode == PZS_MODE_STOPPING) {
         core->cause = event;
         core->is_flat = 0;
@@ -323,6 +328,176 @@ static void carry_out_command(pzs_supervisor *supervisor, const pzs_loop_signals
         break;
     default: break;
     }
+}
+
+/* ---- polarity test ------------------------------------------------------ */
+
+/*
+ * A ramp of the polarity test ends where this part of the way to the park voltages remains. The way
+ * back is then known from the voltages at this point, without a copy of those at the start.
+ */
+#define REST_PART PZS_R(0.125)
+/* Longest way to the park voltages at the step limits in a polarity test (ticks). */
+#define LONGEST_TEST_RAMP 100000u
+
+/*
+ * Return the part of the way to the park voltages that remains after `tick` ticks of a ramp of the
+ * polarity test. The speed rises and falls linearly: with a length of two periods of the first mode
+ * the ramp leaves a hundredth of its way as vibration where a ramp of constant speed leaves a tenth
+ * (for a frequency wrong by 10 %).
+ */
+static pzs_real remaining_part(const pzs_supervisor_core *core, uint32_t tick)
+{
+    const pzs_real at = (pzs_real)tick / (pzs_real)core->test_length, rest = 1 - at;
+    const pzs_real gone = tick < core->test_length / 2u ? 2 * at * at : 1 - 2 * rest * rest;
+    return 1 - (1 - REST_PART) * gone;
+}
+
+/* Begin a polarity test with the next tick, if one is due. */
+static void begin_test(pzs_supervisor *supervisor)
+{
+    pzs_supervisor_core *core = &supervisor->state.core[0];
+    if (core->mode != PZS_MODE_RUNNING || core->silent > 0 ||
+        !pzs_monitor_asks_for_test(&supervisor->state.monitor, supervisor->state.tables,
+                                   core->over))
+        return;
+    core->mode = PZS_MODE_TESTING;
+    core->is_flat = 0;
+    core->test_ramp = 0;
+    core->test_tick = 0;
+    core->remaining = 0;
+}
+
+/*
+ * Choose the length of the ramps and the direction of a polarity test in its first tick. Returns
+ * whether the step limits allow the ramps.
+ */
+static bool prepare_test(pzs_supervisor *supervisor, const pzs_loop_signals *signals)
+{
+    pzs_supervisor_core *core = &supervisor->state.core[0];
+    const uint32_t period = supervisor->state.tables->polarity_ticks;
+    start_ramp(supervisor, signals->given);
+    const uint32_t longest = core->remaining > period ? core->remaining : period;
+    core->remaining = 0;
+    core->test_length = longest < LONGEST_TEST_RAMP ? 2u * longest : 0;
+    pzs_monitor_begin_test(&supervisor->state.monitor, signals);
+    return core->test_length > 0;
+}
+
+/* Move a voltage of input i to one of the polarity test, within its limits and step limit (V). */
+static pzs_real limited_step(const pzs_problem *problem, uint32_t i, pzs_real given, pzs_real next)
+{
+    const pzs_real step = problem->step_limit[i];
+    return clamped_to_limits(problem, i, number_clamp(next, given - step, given + step));
+}
+
+/*
+ * Move the voltages by one tick of a ramp of the polarity test, or keep them.
+ *   factor in  distance from the park voltages after the tick, divided by that before
+ */
+static void move_test(pzs_supervisor *supervisor, const pzs_loop_signals *signals, pzs_real factor)
+{
+    pzs_real *voltage = signals->control->state.voltage;
+    for (uint32_t i = 0; i < supervisor->state.problem->inputs; i++) {
+        const pzs_real park = target_of(supervisor, i), given = signals->given[i];
+        voltage[i] =
+            limited_step(supervisor->state.problem, i, given, park + factor * (given - park));
+    }
+    pzs_control_moved(signals->control);
+    effect_predict(signals);
+}
+
+/* Number of the ramp by which the voltages return after a test that was passed; it is even. */
+#define RETURN_RAMP 1000u
+
+/* Begin a ramp of the polarity test: an even one leads back. */
+static void begin_test_ramp(pzs_supervisor_core *core, uint32_t ramp)
+{
+    core->test_ramp = ramp;
+    core->remaining = core->test_length;
+}
+
+/* Give control back to the loop after a polarity test that the structure has passed. */
+static void resume_control(pzs_supervisor *supervisor, const pzs_loop_signals *signals)
+{
+    pzs_polarity_test_tolerate(&supervisor->state.monitor.test, signals->deviation);
+    supervisor->state.core[0].mode = PZS_MODE_RUNNING;
+    supervisor->state.core[0].over = 0;
+}
+
+/*
+ * End a polarity test that the structure has passed. Voltages near the park voltages first return
+ * to those before the test, because the way back at the step limits would make the structure
+ * vibrate.
+ */
+static void pass_test(pzs_supervisor *supervisor, const pzs_loop_signals *signals)
+{
+    pzs_supervisor_core *core = &supervisor->state.core[0];
+    pzs_polarity_test_end(&supervisor->state.monitor.test, supervisor->state.tables);
+    if (core->test_ramp % 2u == 0)
+        resume_control(supervisor, signals);
+    else
+        begin_test_ramp(core, RETURN_RAMP);
+}
+
+/* Begin the next ramp of the polarity test after a pause, or end the test. */
+static void end_pause(pzs_supervisor *supervisor, const pzs_loop_signals *signals)
+{
+    pzs_supervisor_core *core = &supervisor->state.core[0];
+    pzs_monitor_state *monitor = &supervisor->state.monitor;
+    const polarity_verdict verdict =
+        pzs_polarity_test_judge(&monitor->test, supervisor->state.tables, core->test_ramp);
+    if (verdict == POLARITY_RIGHT) {
+        pass_test(supervisor, signals);
+        return;
+    }
+    if (verdict == POLARITY_WRONG) {
+        monitor->is_opposed = true;
+        process_event(supervisor, PZS_EVENT_ALARM, signals);
+        return;
+    }
+    begin_test_ramp(core, core->test_ramp + 1u);
+}
+
+/* Average the shape in one tick of a pause of the polarity test, in which the voltages stay. */
+static void run_pause(pzs_supervisor *supervisor, const pzs_loop_signals *signals)
+{
+    pzs_supervisor_core *core = &supervisor->state.core[0];
+    const bool is_first = core->test_ramp == 0 && core->test_tick == 0;
+    move_test(supervisor, signals, 1);
+    if (is_first && !prepare_test(supervisor, signals)) {
+        pass_test(supervisor, signals);
+        return;
+    }
+    if (pzs_monitor_average(&supervisor->state.monitor, supervisor->state.tables, signals,
+                            core->test_tick++))
+        end_pause(supervisor, signals);
+}
+
+/* Run one tick of a ramp of the polarity test: away from the start, or back. */
+static void run_test_ramp(pzs_supervisor *supervisor, const pzs_loop_signals *signals)
+{
+    pzs_supervisor_core *core = &supervisor->state.core[0];
+    const bool is_back = core->test_ramp % 2u == 0;
+    const uint32_t rest = core->remaining, gone = core->test_length - rest;
+    const pzs_real before = remaining_part(core, is_back ? rest : gone);
+    const pzs_real after = remaining_part(core, is_back ? rest - 1u : gone + 1u);
+    move_test(supervisor, signals, after / before);
+    core->remaining--;
+    if (core->remaining > 0)
+        return;
+    core->test_tick = 0;
+    if (core->test_ramp >= RETURN_RAMP)
+        resume_control(supervisor, signals);
+}
+
+/* Run one tick of a polarity test. */
+static void run_test(pzs_supervisor *supervisor, const pzs_loop_signals *signals)
+{
+    if (supervisor->state.core[0].remaining > 0)
+        run_test_ramp(supervisor, signals);
+    else
+        run_pause(supervisor, signals);
 }
 
 #define WARNED(signals, status) (((signals)->warnings >> (status)&1u) != 0)
@@ -434,11 +609,14 @@ static pzs_status block_init(void *self, const void *tables, pzs_loop_signals *s
 
 /*
  * Return the status of a tick in which the supervisor, not the controller, determines the voltages.
+ * The mode is RUNNING in the last tick of a polarity test.
  */
 static pzs_status status_of(uint32_t mode)
 {
     if (mode == PZS_MODE_STOPPING)
         return PZS_W_RAMP;
+    if (mode == PZS_MODE_TESTING || mode == PZS_MODE_RUNNING)
+        return PZS_W_POLARITY;
     return mode == PZS_MODE_LATCHED ? PZS_E_LATCHED : PZS_W_PARKED;
 }
 
@@ -457,10 +635,14 @@ static pzs_status block_tick(void *self, pzs_loop_signals *signals)
     judge_health(supervisor, signals);
     signals->control->state.is_stuck = supervisor->state.monitor.is_stuck;
     const bool is_controlled = is_in_control(core->mode);
-    if (!is_controlled) {
+    if (core->mode == PZS_MODE_TESTING) {
+        run_test(supervisor, signals);
+    } else if (!is_controlled) {
         follow_ramp(supervisor, signals);
         if (core->remaining == 0)
             process_event(supervisor, PZS_EVENT_ARRIVED, signals);
+    } else {
+        begin_test(supervisor);
     }
     copy_core(supervisor);
     report(supervisor);

@@ -30,7 +30,7 @@
  *   3 * modes * (sensors + outputs) + inputs * (sensors + 2 * modes) + outputs * sensors
  */
 #include <string.h>
-#include "vibration.h"
+#include "pzs_loop.h"
 #include "control.h"
 #include "scrub.h"
 #include "../core/guard.h"
@@ -69,7 +69,7 @@ static uint32_t list_parts(const pzs_vibration *tables, pzs_table_part part[PZS_
     return 14;
 }
 
-uint32_t pzs_vibration_crc(const pzs_vibration *tables)
+static uint32_t checksum(const pzs_vibration *tables)
 {
     pzs_table_part part[PZS_TABLE_PARTS];
     return pzs_scrub_crc(part, list_parts(tables, part));
@@ -90,7 +90,7 @@ pzs_status pzs_vibration_seal(pzs_vibration *tables)
     if (tables == NULL || !are_complete(tables))
         return PZS_E_ARGUMENT;
     tables->format = PZS_TABLE_FORMAT;
-    tables->crc = pzs_vibration_crc(tables);
+    tables->crc = checksum(tables);
     return PZS_OK;
 }
 
@@ -136,7 +136,7 @@ static pzs_status check(const pzs_vibration *tables, const pzs_problem *problem)
     const bool fits = tables->inputs == problem->inputs && tables->outputs == problem->outputs;
     if (!fits || !are_complete(tables) || !are_in_range(tables))
         return PZS_E_ARGUMENT;
-    if (pzs_vibration_crc(tables) != tables->crc)
+    if (checksum(tables) != tables->crc)
         return PZS_E_CRC;
     return are_finite(tables) ? PZS_OK : PZS_E_NONFINITE;
 }
@@ -921,7 +921,7 @@ static pzs_status block_init(void *self, const void *tables, pzs_loop_signals *s
                                               workspace_of(vibration));
     signals->where = damper->info.where;
     signals->sensors = vibration->sensors;
-    signals->has_damper = true;
+    signals->vibration = vibration;
     return status;
 }
 
@@ -943,9 +943,12 @@ static pzs_status block_tick(void *self, pzs_loop_signals *signals)
         memset(work_of(damper), 0, workspace_of(tables));
         set_initial_state(damper);
     }
+    signals->vibration = tables;
     signals->measured = shape;
     signals->is_repeated = damper->info.is_repeated;
     signals->delay = tables->delay;
+    signals->sensed = damper->state.sensed;
+    signals->expected = expected_of(damper, 0);
     signals->deviation = PZS_SQRT(damper->info.deviation * damper->info.deviation +
                                   damper->info.innovation * damper->info.innovation);
     signals->where = damper->info.where;

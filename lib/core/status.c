@@ -34,6 +34,8 @@ const char *pzs_status_text(pzs_status status)
         return "the vibration modes have converged, but cannot be counted in this precision";
     case PZS_W_CONTRADICTION:
         return "measurements contradict the model: an unknown load, or too many wrong sensors";
+    case PZS_W_POLARITY:
+        return "the shape is opposite to its prediction: ramps test the polarity of the amplifiers";
     case PZS_E_ARGUMENT: return "null pointer, or a size or index out of range";
     case PZS_E_FORMAT: return "tables of another format or scene";
     case PZS_E_CRC: return "tables do not match their checksum";
@@ -61,6 +63,7 @@ const char *pzs_status_text(pzs_status status)
         return "vibration modes not converged: more Lanczos vectors or a higher limit on solves";
     case PZS_E_MODE_COUNT:
         return "a count of pivots contradicts the vibration modes found: ask for one more or fewer";
+    case PZS_E_CAPACITANCE: return "an open electrode has no capacitance of its own";
     default: return "unknown status";
     }
 }

@@ -2,8 +2,9 @@
  * Alarms of the supervisor of a loop that damps vibration (lib/control/monitor.c), on structures
  * with mass that differ from their model and have hysteresis.
  *
- *   alarms [RUNS [NAME]]   number of runs of each kind on each structure, default 2 on two
- *                          structures; NAME: only structures whose name contains this word
+ *   alarms [RUNS [NAME [ends]]]   number of runs of each kind on each structure, default 2 on two
+ *                                 structures; NAME: only structures whose name contains this word;
+ *                                 ends: print also how each run with reversed amplifiers has ended
  *
  * The structures respond 0.8 to 1.33 times as strongly as their models, with frequencies of 0.9 to
  * 1.1 of theirs and hysteresis of 0 to 30 %. Prints for amplifiers whose polarity is wrong from the
@@ -13,7 +14,7 @@
  * loads and stuck electrodes the structure would seem to stand still, if the supervisor's slack
  * were smaller or larger than it is. The structures whose names begin with "slack" were made after
  * the slack was chosen. Returns 0 where healthy loops that observe vibration modes raise no alarm
- * without large loads.
+ * without large loads, and no polarity test takes control away from any healthy loop.
  *
  * SPDX-License-Identifier: BSD-2-Clause
  */
@@ -21,17 +22,11 @@
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
-#include "../../host_tools/model/certificate_make.h"
-#include "../../host_tools/model/estimator.h"
-#include "../../host_tools/model/modal.h"
-#include "../../host_tools/simulate/certify.h"
-#include "../../host_tools/simulate/inertia.h"
 #include "../../host_tools/simulate/random.h"
-#include "../../host_tools/tables/loop_blocks.h"
-#include "../rigs/scene_run.h"
+#include "../rigs/damped_plant.h"
 #include "../rigs/storm_structures.h"
 
-enum { PLAYS = 4, MODES = 40, HISTORY = 16, RUNS_MOST = 1000 };
+enum { MODES = 40, HISTORY = 16, RUNS_MOST = 1000 };
 
 static const storm_structure structures[] = {
     STORM_STRUCTURES(true, false),
@@ -64,241 +59,145 @@ typedef struct idle_count {
     bool is_alarm; /* whether the present run is one of them */
 } idle_count;
 
+/* A loop with a supervisor around a structure. */
 typedef struct rig {
-    const storm_structure *structure;
-    scene_run run;
-    estimator estimator;
-    damper damper;
-    loop_blocks blocks;
-    vibration vibration;
-    modal modal;
-    inertia inertia;
-    pzs_loop loop;
-    void *work;
-    size_t bytes, inputs, outputs, sensors, all;
-    size_t *row;
+    damped_plant plant;
     double unit, period;
     double reach; /* RMS of the shape under half the voltage range of every amplifier */
-    double gain, hysteresis, noise, missed;
-    double *memory, *acting, *play, *static_reading, *readings, *wanted, *goal, *load, *wire;
+    double noise, missed;
+    double *memory, *static_reading, *readings, *load, *wire;
     int stuck; /* electrode whose voltage stays; -1: none */
     int delay;
-    uint64_t random, noises;
-    int tick;
+    uint64_t noises;
     bool was_missed;
     idle_count idle[SLACKS]; /* for each slack of the supervisor that is tried */
 } rig;
 
-static int complain(const char *name, const char *error)
+/* Target of the scene. */
+static const double *goal_of(const rig *r)
 {
-    printf("not ok - %s: %s\n", name, error);
-    return -1;
-}
-
-static double uniform(uint64_t *random, double low, double high)
-{
-    return low + (high - low) * random_uniform(random);
-}
-
-static int open_tables(rig *r)
-{
-    analysis *analysis = &r->run.analysis;
-    const bool is_few = analysis->design.estimate.readings > 0;
-    certificate_make(&analysis->certificate, analysis);
-    if (certify_loop(analysis, r->run.error) < 0)
-        return -1;
-    const damper_options options = damper_options_of(analysis);
-    if (is_few && estimator_open(&r->estimator, analysis, r->run.error) < 0)
-        return -1;
-    const estimator *few = is_few ? &r->estimator : NULL;
-    if (damper_make(&r->damper, analysis, few, &options, r->run.error) < 0)
-        return -1;
-    loop_blocks_fill(&r->blocks, &analysis->design, &r->estimator, &r->damper);
-    return 0;
-}
-
-static void list_sensors(rig *r)
-{
-    const design *design = &r->run.analysis.design;
-    const bool is_few = design->estimate.readings > 0;
-    r->sensors = is_few ? (size_t)design->estimate.readings : r->outputs;
-    r->row = calloc(r->sensors, sizeof *r->row);
-    for (size_t i = 0; i < r->sensors; i++)
-        r->row[i] = is_few ? (size_t)design->named_first[design->estimate.reading[i].output] : i;
+    return r->plant.run.analysis.design.target;
 }
 
 /* RMS over the targets of the shape under half the voltage range of every amplifier. */
 static double reachable(const rig *r)
 {
-    const design *design = &r->run.analysis.design;
+    const design *design = &r->plant.run.analysis.design;
     double sum = 0;
-    for (size_t j = 0; j < r->inputs; j++)
-        for (size_t i = 0; i < r->outputs; i++)
-            sum += pow(r->run.analysis.influence[i * r->all + j] *
+    for (size_t j = 0; j < r->plant.inputs; j++)
+        for (size_t i = 0; i < r->plant.outputs; i++)
+            sum += pow(r->plant.run.analysis.influence[i * r->plant.all + j] *
                            (design->upper[j] - design->lower[j]) / 2,
                        2) /
-                   (double)r->outputs;
+                   (double)r->plant.outputs;
     return sqrt(sum);
+}
+
+static bool open_memory(rig *r)
+{
+    const damped_plant *plant = &r->plant;
+    r->memory = calloc(plant->inputs + (HISTORY + 1) * plant->sensors + plant->modal.modes,
+                       sizeof *r->memory);
+    r->wire = r->memory;
+    r->static_reading = r->wire + plant->inputs;
+    r->readings = r->static_reading + HISTORY * plant->sensors;
+    r->load = r->readings + plant->sensors;
+    return r->memory;
 }
 
 static int open_rig(rig *r, const storm_structure *structure)
 {
-    double too_small;
     memset(r, 0, sizeof *r);
-    r->structure = structure;
-    analysis *analysis = &r->run.analysis;
-    const design *design = &analysis->design;
-    if (scene_run_open(&r->run, structure->scene, structure->changes) < 0 ||
-        analysis_influence(analysis, r->run.error) < 0 || open_tables(r) < 0 ||
-        analysis_vibration(analysis, &r->vibration, MODES, r->run.error) < 0)
-        return complain(structure->name, r->run.error);
-    r->inputs = (size_t)design->amplifiers;
-    r->outputs = (size_t)design->targets;
-    r->all = design->structure.input.count;
+    damped_plant *plant = &r->plant;
+    const design *design = &plant->run.analysis.design;
+    const damper *damper = &plant->parts.damper;
+    pzs_supervision *supervision = &plant->parts.blocks.supervision;
+    if (damped_plant_open_loop(plant, structure->scene, structure->changes) < 0 ||
+        damped_plant_open_structure(plant, &plant->run.analysis, MODES) < 0)
+        return -1;
+    if (!open_memory(r))
+        return damped_plant_complain(plant, "out of memory");
     r->delay = design->simulate.delay;
-    list_sensors(r);
-    if (!modal_open(&r->modal, design, &r->vibration, r->inputs) ||
-        !inertia_open(&r->inertia, &r->modal))
-        return complain(structure->name, "out of memory");
-    r->blocks.supervision.waits = 0;
-    (void)pzs_supervision_seal(&r->blocks.supervision);
-    (void)pzs_loop_init(&r->loop, r->blocks.block, (size_t)r->blocks.count, NULL, &too_small, 0);
-    r->bytes = (size_t)r->loop.info.where;
-    r->work = malloc(r->bytes);
-    r->memory = calloc((4 + PLAYS) * r->inputs + (HISTORY + 1) * r->sensors + 2 * r->outputs +
-                           r->modal.modes,
-                       sizeof *r->memory);
-    r->acting = r->memory;
-    r->wire = r->acting + r->inputs;
-    r->play = r->wire + r->inputs;
-    r->static_reading = r->play + PLAYS * r->inputs;
-    r->readings = r->static_reading + HISTORY * r->sensors;
-    r->wanted = r->readings + r->sensors;
-    r->goal = r->wanted + r->outputs;
-    r->load = r->goal + r->outputs;
-    for (size_t i = 0; i < r->outputs; i++)
-        r->goal[i] = design->target[i];
+    supervision->waits = 0;
+    (void)pzs_supervision_seal(supervision);
     const double target = design_target_rms(design), reach = reachable(r);
     r->reach = reach;
     r->unit = target > 0 ? fmin(target, reach) : reach;
-    r->period = r->damper.modes > 0 ? r->damper.rate / r->damper.frequency[0] : 20;
+    r->period = damper->modes > 0 ? damper->rate / damper->frequency[0] : 20;
     printf("%s: period %.1f ticks, %d modes observed, %zu inputs %zu sensors %zu outputs, target "
            "%.3g reach %.3g, alarm_ticks %u polarity %u load %.3g W, slack %.3g W\n",
-           structure->name, r->period, (int)r->damper.modes, r->inputs, r->sensors, r->outputs,
-           target, reach, r->blocks.supervision.alarm_ticks, r->blocks.supervision.polarity_ticks,
-           (double)r->blocks.supervision.load / r->unit,
-           (double)r->blocks.supervision.slack / r->unit);
+           structure->name, r->period, (int)damper->modes, plant->inputs, plant->sensors,
+           plant->outputs, target, reach, supervision->alarm_ticks, supervision->polarity_ticks,
+           (double)supervision->load / r->unit, (double)supervision->slack / r->unit);
     return 0;
 }
 
 static void close_rig(rig *r)
 {
-    free(r->work);
     free(r->memory);
-    free(r->row);
-    inertia_close(&r->inertia);
-    modal_close(&r->modal);
-    vibration_free(&r->vibration);
-    damper_close(&r->damper);
-    if (r->run.analysis.design.estimate.readings > 0)
-        estimator_close(&r->estimator);
-    scene_run_close(&r->run);
+    damped_plant_close(&r->plant);
 }
 
+/*
+ * Return loop and structure to rest, with the target of the scene. Gain, frequencies and hysteresis
+ * of the structure are random, in the box of the certificate.
+ */
 static void start(rig *r, uint64_t seed)
-{
-    (void)pzs_loop_init(&r->loop, r->blocks.block, (size_t)r->blocks.count, NULL, r->work,
-                        r->bytes);
-    r->random = seed;
-    r->noises = seed + 1;
-    r->tick = 0;
-    r->stuck = -1;
-    r->missed = 0;
-    r->noise = 1e-4 * r->unit;
-    r->gain = 1;
-    r->hysteresis = 0;
-    r->inertia.stretch = 1;
-    r->inertia.interval = 0;
-    for (size_t j = 0; j < r->inputs; j++) {
-        r->wire[j] = 1;
-        r->acting[j] = r->loop.info.voltage[j];
-        for (int i = 0; i < PLAYS; i++)
-            r->play[j * PLAYS + (size_t)i] = r->acting[j];
-    }
-    memset(r->load, 0, r->modal.modes * sizeof *r->load);
-    memcpy(r->wanted, r->goal, r->outputs * sizeof *r->wanted);
-}
-
-/* After the gain is chosen. */
-static void settle(rig *r)
-{
-    r->inertia.gain = r->gain;
-    inertia_rest(&r->inertia, r->acting);
-}
-
-/* Random gain, frequencies and hysteresis in the box of the certificate. */
-static void choose_plant(rig *r)
 {
     static const double gains[] = {1, 0.8, 1.33}, frequencies[] = {1, 0.9, 1.1},
                         widths[] = {0, 0.1, 0.3};
-    r->gain = gains[random_int(&r->random, 3)];
-    r->inertia.stretch = frequencies[random_int(&r->random, 3)];
-    r->hysteresis = widths[random_int(&r->random, 3)];
-    settle(r);
-}
-
-static double act(rig *r, size_t j, double voltage)
-{
-    const design *design = &r->run.analysis.design;
-    double mean = 0;
-    for (int i = 0; i < PLAYS; i++) {
-        const double slack = (design->upper[j] - design->lower[j]) / 2 * (i + 1) / (2 * PLAYS);
-        double *play = &r->play[j * PLAYS + (size_t)i];
-        *play = fmin(fmax(*play, voltage - slack), voltage + slack);
-        mean += *play / PLAYS;
-    }
-    return voltage + r->hysteresis * 16 / 5 * (mean - voltage);
+    damped_plant *plant = &r->plant;
+    plant->random = seed;
+    r->noises = seed + 1;
+    r->stuck = -1;
+    r->missed = 0;
+    r->noise = 1e-4 * r->unit;
+    const double gain = gains[random_int(&plant->random, 3)];
+    const double frequency = frequencies[random_int(&plant->random, 3)];
+    damped_plant_start(plant, gain, frequency, widths[random_int(&plant->random, 3)]);
+    for (size_t j = 0; j < plant->inputs; j++)
+        r->wire[j] = 1;
+    memset(r->load, 0, plant->modal.modes * sizeof *r->load);
+    memcpy(plant->wanted, goal_of(r), plant->outputs * sizeof *plant->wanted);
 }
 
 /* Change the load of the plant, given by the static coordinates of its modes. */
 static void set_load(rig *r, const double *load)
 {
-    for (size_t k = 0; k < r->modal.modes; k++) {
-        r->inertia.deviation[k] -= load[k] - r->load[k];
+    for (size_t k = 0; k < r->plant.modal.modes; k++) {
+        r->plant.inertia.deviation[k] -= load[k] - r->load[k];
         r->load[k] = load[k];
     }
 }
 
 static void observe(rig *r, size_t row, double *reading)
 {
-    inertia_observe(&r->inertia, row, 1, reading);
-    for (size_t j = 0; j < r->inputs; j++)
-        *reading += r->gain * r->run.analysis.influence[row * r->all + j] * r->acting[j];
-    for (size_t k = 0; k < r->modal.modes; k++)
-        *reading += r->modal.shape[row * r->modal.modes + k] * r->load[k];
+    *reading = damped_plant_observe(&r->plant, row, r->plant.acting);
+    for (size_t k = 0; k < r->plant.modal.modes; k++)
+        *reading += r->plant.modal.shape[row * r->plant.modal.modes + k] * r->load[k];
 }
 
 static pzs_status run_tick(rig *r)
 {
     pzs_status status = PZS_OK;
-    double *now = r->static_reading + (size_t)(r->tick % HISTORY) * r->sensors;
-    const int then = r->tick > r->delay ? r->tick - r->delay : 0;
-    const double *seen = r->static_reading + (size_t)(then % HISTORY) * r->sensors;
-    for (size_t i = 0; i < r->sensors; i++)
-        observe(r, r->row[i], &now[i]);
-    for (size_t i = 0; i < r->sensors; i++)
+    double *now = r->static_reading + (size_t)(r->plant.tick % HISTORY) * r->plant.sensors;
+    const int then = r->plant.tick > r->delay ? r->plant.tick - r->delay : 0;
+    const double *seen = r->static_reading + (size_t)(then % HISTORY) * r->plant.sensors;
+    for (size_t i = 0; i < r->plant.sensors; i++)
+        observe(r, r->plant.sensor_row[i], &now[i]);
+    for (size_t i = 0; i < r->plant.sensors; i++)
         r->readings[i] = seen[i] + r->noise * random_noise(&r->noises);
-    r->was_missed = r->tick > 0 && r->missed > 0 && uniform(&r->random, 0, 1) < r->missed;
+    r->was_missed =
+        r->plant.tick > 0 && r->missed > 0 && damped_plant_uniform(&r->plant, 0, 1) < r->missed;
     if (r->was_missed)
-        (void)pzs_loop_skip(&r->loop, 1);
+        (void)pzs_loop_skip(&r->plant.loop, 1);
     else
-        status = pzs_loop_tick(&r->loop, r->wanted, r->readings);
-    for (size_t j = 0; j < r->inputs; j++)
+        status = pzs_loop_tick(&r->plant.loop, r->plant.wanted, r->readings);
+    for (size_t j = 0; j < r->plant.inputs; j++)
         if ((int)j != r->stuck)
-            r->acting[j] = act(r, j, r->wire[j] * r->loop.info.voltage[j]);
-    inertia_jump(&r->inertia, r->acting);
-    inertia_advance(&r->inertia, 1 / r->run.analysis.design.control.rate);
-    r->tick++;
+            r->plant.acting[j] =
+                damped_plant_act(&r->plant, j, r->wire[j] * r->plant.loop.info.voltage[j]);
+    damped_plant_advance(&r->plant, r->plant.acting);
     return status;
 }
 
@@ -308,12 +207,12 @@ static pzs_status run_tick(rig *r)
  */
 static void count_idle(rig *r)
 {
-    const pzs_supervisor *s = pzs_loop_find(&r->loop, &pzs_supervisor_block);
+    const pzs_supervisor *s = pzs_loop_find(&r->plant.loop, &pzs_supervisor_block);
     const pzs_polarity_state *p = &s->state.monitor.polarity;
     double square = 0;
-    for (size_t i = 0; i < r->outputs; i++)
+    for (size_t i = 0; i < r->plant.outputs; i++)
         square += (double)p->direction[i] * (double)p->direction[i];
-    const double unit = sqrt(square * (double)r->outputs) * r->reach;
+    const double unit = sqrt(square * (double)r->plant.outputs) * r->reach;
     const double predicted = (double)(p->now[0] - p->before[0]),
                  measured = (double)(p->now[1] - p->before[1]);
     const bool is_judged = p->remaining > 0 && p->first - p->remaining > 2 && unit > 0;
@@ -323,17 +222,11 @@ static void count_idle(rig *r)
                              predicted > (k + 1) * slack_step * unit && measured < predicted / 10;
         const uint32_t lowered = count->over > 2 ? count->over - 2 : 0;
         count->over = is_idle ? count->over + 1 : lowered;
-        if (count->over > r->blocks.supervision.polarity_ticks && !count->is_alarm) {
+        if (count->over > r->plant.parts.blocks.supervision.polarity_ticks && !count->is_alarm) {
             count->is_alarm = true;
             count->alarms++;
         }
     }
-}
-
-static bool is_stopped(const rig *r)
-{
-    const pzs_supervisor *s = pzs_loop_find(&r->loop, &pzs_supervisor_block);
-    return s && (s->info.mode == PZS_MODE_STOPPING || s->info.mode == PZS_MODE_LATCHED);
 }
 
 /* ---- courses ------------------------------------------------------------ */
@@ -363,17 +256,18 @@ typedef struct course {
 
 static void set_target(rig *r, const course *c)
 {
-    const design *design = &r->run.analysis.design;
-    const double factor = uniform(&r->random, -1, 1);
-    const bool is_shape = uniform(&r->random, 0, 1) < 0.3;
+    const design *design = &r->plant.run.analysis.design;
+    const double factor = damped_plant_uniform(&r->plant, -1, 1);
+    const bool is_shape = damped_plant_uniform(&r->plant, 0, 1) < 0.3;
     (void)c;
-    for (size_t i = 0; i < r->outputs; i++)
-        r->wanted[i] = is_shape ? 0 : factor * r->goal[i];
-    for (size_t j = 0; j < r->inputs && is_shape; j++) {
+    for (size_t i = 0; i < r->plant.outputs; i++)
+        r->plant.wanted[i] = is_shape ? 0 : factor * goal_of(r)[i];
+    for (size_t j = 0; j < r->plant.inputs && is_shape; j++) {
         const double middle = (design->upper[j] + design->lower[j]) / 2;
-        const double voltage = middle + uniform(&r->random, -1, 1) * (design->upper[j] - middle);
-        for (size_t i = 0; i < r->outputs; i++)
-            r->wanted[i] += r->run.analysis.influence[i * r->all + j] * voltage;
+        const double voltage =
+            middle + damped_plant_uniform(&r->plant, -1, 1) * (design->upper[j] - middle);
+        for (size_t i = 0; i < r->plant.outputs; i++)
+            r->plant.wanted[i] += r->plant.run.analysis.influence[i * r->plant.all + j] * voltage;
     }
 }
 
@@ -381,16 +275,18 @@ static void set_target(rig *r, const course *c)
 static void random_load(rig *r, double size, double *load)
 {
     double square = 0;
-    const size_t modes = r->modal.modes, row = (size_t)random_int(&r->random, (int)r->outputs);
-    const int kind = random_int(&r->random, 3);
+    const size_t modes = r->plant.modal.modes,
+                 row = (size_t)random_int(&r->plant.random, (int)r->plant.outputs);
+    const int kind = random_int(&r->plant.random, 3);
     for (size_t k = 0; k < modes; k++)
-        load[k] = kind > 0 ? r->modal.shape[row * modes + k] / pow(r->modal.frequency[k], 2)
-                           : uniform(&r->random, -1, 1) / pow(r->modal.frequency[k], 2);
-    for (size_t i = 0; i < r->outputs; i++) {
+        load[k] =
+            kind > 0 ? r->plant.modal.shape[row * modes + k] / pow(r->plant.modal.frequency[k], 2)
+                     : damped_plant_uniform(&r->plant, -1, 1) / pow(r->plant.modal.frequency[k], 2);
+    for (size_t i = 0; i < r->plant.outputs; i++) {
         double value = 0;
         for (size_t k = 0; k < modes; k++)
-            value += r->modal.shape[i * modes + k] * load[k];
-        square += value * value / (double)r->outputs;
+            value += r->plant.modal.shape[i * modes + k] * load[k];
+        square += value * value / (double)r->plant.outputs;
     }
     const double factor = square > 0 ? size * r->unit / sqrt(square) : 0;
     for (size_t k = 0; k < modes; k++)
@@ -399,32 +295,33 @@ static void random_load(rig *r, double size, double *load)
 
 static int ticks_until(rig *r, double low, double high)
 {
-    return 1 + (int)(uniform(&r->random, low, high) * fmax(r->period, 10));
+    return 1 + (int)(damped_plant_uniform(&r->plant, low, high) * fmax(r->period, 10));
 }
 
 static void move_load(rig *r, course *c)
 {
     static double load[MODES];
-    const size_t modes = r->modal.modes;
+    const size_t modes = r->plant.modal.modes;
     if (c->load == NO_LOAD)
         return;
-    if (r->tick >= c->next_load) {
+    if (r->plant.tick >= c->next_load) {
         memcpy(c->from, r->load, modes * sizeof *c->from);
-        random_load(r, uniform(&r->random, 0.1, 1) * c->size, c->to);
-        if (uniform(&r->random, 0, 1) < 0.3 && c->load != WAVES)
+        random_load(r, damped_plant_uniform(&r->plant, 0.1, 1) * c->size, c->to);
+        if (damped_plant_uniform(&r->plant, 0, 1) < 0.3 && c->load != WAVES)
             memset(c->to, 0, modes * sizeof *c->to);
-        c->since = r->tick;
-        c->next_load = r->tick + ticks_until(r, 0.5 * c->every, 1.5 * c->every);
-        c->rate = c->load == WAVES ? 6.2832 / r->period * pow(10, uniform(&r->random, -1, 0.5))
-                                   : 1 / (fmax(r->period, 10) * uniform(&r->random, 0.3, 4));
+        c->since = r->plant.tick;
+        c->next_load = r->plant.tick + ticks_until(r, 0.5 * c->every, 1.5 * c->every);
+        c->rate = c->load == WAVES
+                      ? 6.2832 / r->period * pow(10, damped_plant_uniform(&r->plant, -1, 0.5))
+                      : 1 / (fmax(r->period, 10) * damped_plant_uniform(&r->plant, 0.3, 4));
         if (c->load == IMPULSES)
             for (size_t k = 0; k < modes; k++)
-                r->inertia.velocity[k] += c->to[k];
+                r->plant.inertia.velocity[k] += c->to[k];
         if (c->load == STEPS)
             set_load(r, c->to);
     }
-    const double way = fmin(1, (r->tick - c->since) * c->rate);
-    const double wave = sin(c->rate * (r->tick - c->since));
+    const double way = fmin(1, (r->plant.tick - c->since) * c->rate);
+    const double wave = sin(c->rate * (r->plant.tick - c->since));
     for (size_t k = 0; k < modes; k++)
         load[k] = c->load == RAMPS ? c->from[k] + way * (c->to[k] - c->from[k]) : c->to[k] * wave;
     if (c->load == RAMPS || c->load == WAVES)
@@ -433,61 +330,173 @@ static void move_load(rig *r, course *c)
 
 static void move_target(rig *r, course *c)
 {
-    if (c->target == JUMPING && r->tick >= c->next_target) {
+    if (c->target == JUMPING && r->plant.tick >= c->next_target) {
         set_target(r, c);
-        c->next_target = r->tick + ticks_until(r, 0.2 * c->every, 1.8 * c->every);
+        c->next_target = r->plant.tick + ticks_until(r, 0.2 * c->every, 1.8 * c->every);
     }
     if (c->target == ZERO)
-        memset(r->wanted, 0, r->outputs * sizeof *r->wanted);
+        memset(r->plant.wanted, 0, r->plant.outputs * sizeof *r->plant.wanted);
     if (c->target != MOVING)
         return;
-    const double wave = sin(c->phase + r->tick * 6.2832 / (c->every * fmax(r->period, 10)));
-    for (size_t i = 0; i < r->outputs; i++)
-        r->wanted[i] = wave * r->goal[i];
+    const double wave = sin(c->phase + r->plant.tick * 6.2832 / (c->every * fmax(r->period, 10)));
+    for (size_t i = 0; i < r->plant.outputs; i++)
+        r->plant.wanted[i] = wave * goal_of(r)[i];
 }
 
 static void reverse(rig *r, const course *c)
 {
-    if (c->reversed == 0 || r->tick != c->at)
+    if (c->reversed == 0 || r->plant.tick != c->at)
         return;
-    for (size_t j = 0; j < r->inputs; j++)
-        r->wire[j] = c->reversed == 3 || (c->reversed == 2 && random_int(&r->random, 2)) ? -1 : 1;
+    for (size_t j = 0; j < r->plant.inputs; j++)
+        r->wire[j] =
+            c->reversed == 3 || (c->reversed == 2 && random_int(&r->plant.random, 2)) ? -1 : 1;
     if (c->reversed == 1)
-        r->wire[random_int(&r->random, (int)r->inputs)] = -1;
+        r->wire[random_int(&r->plant.random, (int)r->plant.inputs)] = -1;
+}
+
+/* ---- ends of runs without an alarm ---------------------------------------- */
+
+/* How a run has ended: averages over the last period. */
+typedef struct run_end {
+    double error;      /* RMS of shape minus target, averaged over the period (units) */
+    double swing;      /* RMS of the shape about its mean in the period (units) */
+    double best;       /* RMS error of the best voltages within the limits (units) */
+    double at_limits;  /* part of the voltages at a limit in the last tick */
+    unsigned statuses; /* one bit for each status */
+} run_end;
+
+enum { OUTPUTS_MOST = 4000, INPUTS_MOST = 200 };
+static double mean_shape[OUTPUTS_MOST], square_shape[OUTPUTS_MOST];
+
+/* Error of the best voltages for the plant as it is, by coordinate descent within the limits. */
+static double best_error(const rig *r)
+{
+    static double rest[OUTPUTS_MOST], v[INPUTS_MOST];
+    const design *design = &r->plant.run.analysis.design;
+    const double *b = r->plant.run.analysis.influence;
+    double sum = 0;
+    for (size_t i = 0; i < r->plant.outputs; i++) {
+        rest[i] = -r->plant.wanted[i];
+        for (size_t k = 0; k < r->plant.modal.modes; k++)
+            rest[i] += r->plant.modal.shape[i * r->plant.modal.modes + k] * r->load[k];
+    }
+    memset(v, 0, sizeof v);
+    for (int sweep = 0; sweep < 2000; sweep++)
+        for (size_t j = 0; j < r->plant.inputs; j++) {
+            double slope = 0, square = 0;
+            for (size_t i = 0; i < r->plant.outputs; i++) {
+                const double e = r->plant.inertia.gain * r->wire[j] * b[i * r->plant.all + j];
+                slope += e * rest[i];
+                square += e * e;
+            }
+            const double next =
+                fmin(fmax(v[j] - slope / square, design->lower[j]), design->upper[j]);
+            for (size_t i = 0; i < r->plant.outputs; i++)
+                rest[i] +=
+                    (next - v[j]) * r->plant.inertia.gain * r->wire[j] * b[i * r->plant.all + j];
+            v[j] = next;
+        }
+    for (size_t i = 0; i < r->plant.outputs; i++)
+        sum += rest[i] * rest[i] / (double)r->plant.outputs;
+    return sqrt(sum) / r->unit;
+}
+
+static double limited_part(const rig *r)
+{
+    const design *design = &r->plant.run.analysis.design;
+    double count = 0;
+    for (size_t j = 0; j < r->plant.inputs; j++) {
+        const double margin = 1e-3 * (design->upper[j] - design->lower[j]);
+        const double v = r->plant.loop.info.voltage[j];
+        count += v < design->lower[j] + margin || v > design->upper[j] - margin;
+    }
+    return count / (double)r->plant.inputs;
+}
+
+/* Add the shape of this tick to the sums of the last period. */
+static void sum_end(rig *r, run_end *end, pzs_status status, int ticks)
+{
+    double sum = 0;
+    for (size_t i = 0; i < r->plant.outputs; i++) {
+        double y;
+        observe(r, i, &y);
+        mean_shape[i] += y / ticks;
+        square_shape[i] += y * y / ticks;
+        sum += pow(y - r->plant.wanted[i], 2) / (double)r->plant.outputs;
+    }
+    end->error += sqrt(sum) / ticks / r->unit;
+    end->statuses |= 1u << ((unsigned)status & 31u);
+}
+
+static void finish_end(rig *r, run_end *end)
+{
+    double sum = 0;
+    for (size_t i = 0; i < r->plant.outputs; i++)
+        sum += fmax(square_shape[i] - mean_shape[i] * mean_shape[i], 0) / (double)r->plant.outputs;
+    end->swing = sqrt(sum) / r->unit;
+    end->best = best_error(r);
+    end->at_limits = limited_part(r);
+}
+
+/* What the last run has shown besides its alarm. */
+static struct {
+    run_end end;     /* of a run without alarm */
+    int tested;      /* number of ticks of polarity tests */
+    bool is_by_test; /* whether a polarity test raised the alarm */
+    pzs_status last;
+} seen;
+
+static void see(rig *r, pzs_status status, const course *c, int window)
+{
+    seen.tested += status == PZS_W_POLARITY;
+    seen.is_by_test = status == PZS_W_RAMP && seen.last == PZS_W_POLARITY;
+    seen.last = status;
+    if (r->plant.tick > c->ticks - window)
+        sum_end(r, &seen.end, status, window);
+}
+
+static void start_seeing(void)
+{
+    memset(&seen, 0, sizeof seen);
+    memset(mean_shape, 0, sizeof mean_shape);
+    memset(square_shape, 0, sizeof square_shape);
 }
 
 /* Run a course. Returns the tick of the alarm, or -1. */
 static int run_course(rig *r, course c)
 {
     static double from[MODES], to[MODES];
-    const int which = random_int(&r->random, (int)r->inputs);
+    const int which = random_int(&r->plant.random, (int)r->plant.inputs);
     c.from = from;
     c.to = to;
-    c.phase = uniform(&r->random, 0, 6);
+    c.phase = damped_plant_uniform(&r->plant, 0, 6);
     memset(from, 0, sizeof from);
     memset(to, 0, sizeof to);
     c.next_load = ticks_until(r, 0.5, 3);
     c.next_target = c.target == JUMPING && c.reversed == 0 ? 0 : ticks_until(r, 1, 4);
     r->missed = c.missed;
     if (c.hysteresis > 0)
-        r->hysteresis = c.hysteresis;
+        r->plant.hysteresis = c.hysteresis;
     for (int k = 0; k < SLACKS; k++) {
         r->idle[k].over = 0;
         r->idle[k].is_alarm = false;
     }
     if (c.noise > 0)
         r->noise = c.noise * r->unit;
-    while (r->tick < c.ticks) {
+    const int window = (int)fmax(r->period, 20);
+    start_seeing();
+    while (r->plant.tick < c.ticks) {
         reverse(r, &c);
         move_target(r, &c);
         move_load(r, &c);
-        r->stuck = c.sticks && r->tick > c.ticks / 2 ? which : -1;
-        (void)run_tick(r);
+        r->stuck = c.sticks && r->plant.tick > c.ticks / 2 ? which : -1;
+        see(r, run_tick(r), &c, window);
         if (c.counts_idle)
             count_idle(r);
-        if (is_stopped(r))
-            return r->tick;
+        if (damped_plant_is_stopped(&r->plant))
+            return r->plant.tick;
     }
+    finish_end(r, &seen.end);
     return -1;
 }
 
@@ -540,6 +549,18 @@ static const row rows[] = {
     {"healthy, jumping, steps of load 15",
      {.target = JUMPING, .load = STEPS, .size = 15, .every = 3},
      SHOWN},
+    {"healthy, steps of load 40",
+     {.target = CONSTANT, .load = STEPS, .size = 40, .every = 6},
+     SHOWN},
+    {"healthy, slow steps of load 40",
+     {.target = CONSTANT, .load = STEPS, .size = 40, .every = 12},
+     SHOWN},
+    {"healthy, ramps of load 40",
+     {.target = CONSTANT, .load = RAMPS, .size = 40, .every = 8},
+     SHOWN},
+    {"healthy, waves of load 15",
+     {.target = CONSTANT, .load = WAVES, .size = 15, .every = 20},
+     SHOWN},
     {"healthy, ramps of load 3", {.target = CONSTANT, .load = RAMPS, .size = 3, .every = 3}, SHOWN},
     {"healthy, ramps of load 15",
      {.target = CONSTANT, .load = RAMPS, .size = 15, .every = 4},
@@ -562,8 +583,29 @@ static int compare_ints(const void *a, const void *b)
 /* Numbers of alarms, by cause, of the runs of one row. */
 typedef struct tally {
     int alarms, opposed, vibrating;
+    int tested;           /* number of runs with a polarity test */
+    int by_test;          /* number of alarms that it raised */
     int ticks[RUNS_MOST]; /* [alarms] ticks from the reversal to the alarm */
 } tally;
+
+static bool is_detailed; /* whether each run with reversed amplifiers is printed */
+
+/* Print how a run with reversed amplifiers has ended. */
+static void print_end(const rig *r, int ticks)
+{
+    size_t reversed = 0;
+    for (size_t j = 0; j < r->plant.inputs; j++)
+        reversed += r->wire[j] < 0;
+    printf("    %zu/%zu reversed, gain %.2f frequency %.1f hysteresis %.1f: ", reversed,
+           r->plant.inputs, r->plant.inertia.gain, r->plant.inertia.stretch, r->plant.hysteresis);
+    if (ticks >= 0)
+        printf("alarm after %d ticks\n", ticks);
+    else
+        printf(
+            "no alarm; error %.3g, best %.3g, swing %.3g targets, %.2f of the voltages at limits, "
+            "statuses %x\n",
+            seen.end.error, seen.end.best, seen.end.swing, seen.end.at_limits, seen.end.statuses);
+}
 
 /* Run one row of the table once on a random structure. */
 static void run_once(rig *r, const row *row, uint64_t seed, tally *tally)
@@ -572,15 +614,18 @@ static void run_once(rig *r, const row *row, uint64_t seed, tally *tally)
     course c = row->course;
     c.counts_idle = row->demand == NO_ALARM && !c.sticks;
     start(r, seed);
-    choose_plant(r);
     if (c.at > 0)
-        c.at = (int)(uniform(&r->random, 5, 12) * period);
+        c.at = (int)(damped_plant_uniform(&r->plant, 5, 12) * period);
     c.ticks =
-        row->demand == FOUND ? c.at + (int)fmax(8 * period, 600) : (int)fmax(40 * period, 1000);
+        row->demand == FOUND ? c.at + (int)fmax(20 * period, 1200) : (int)fmax(40 * period, 1000);
     const int tick = run_course(r, c);
+    if (is_detailed && row->demand == FOUND)
+        print_end(r, tick < 0 ? -1 : tick - c.at);
+    tally->tested += seen.tested > 0;
+    tally->by_test += tick >= 0 && seen.is_by_test;
     if (tick < 0)
         return;
-    const pzs_supervisor *supervisor = pzs_loop_find(&r->loop, &pzs_supervisor_block);
+    const pzs_supervisor *supervisor = pzs_loop_find(&r->plant.loop, &pzs_supervisor_block);
     const bool is_alarm = supervisor->info.cause == PZS_EVENT_ALARM;
     tally->ticks[tally->alarms++] = tick - c.at;
     tally->opposed += is_alarm && supervisor->info.is_opposed;
@@ -595,15 +640,19 @@ static int run_row(rig *r, const row *row, uint64_t seed, int runs)
     for (int run = 0; run < runs; run++)
         run_once(r, row, seed + (uint64_t)run, &tally);
     qsort(tally.ticks, (size_t)tally.alarms, sizeof *tally.ticks, compare_ints);
-    if (row->demand == FOUND || tally.alarms > 0)
-        printf("  %-44s %d of %d alarms, %d opposed, %d vibrating; median %d, slowest %d ticks\n",
-               row->name, tally.alarms, runs, tally.opposed, tally.vibrating,
-               tally.alarms ? tally.ticks[tally.alarms / 2] : 0,
-               tally.alarms ? tally.ticks[tally.alarms - 1] : 0);
+    if (row->demand == FOUND || tally.alarms + tally.tested > 0)
+        printf(
+            "  %-44s %d of %d alarms, %d opposed, %d by test, %d vibrating, %d tested; median %d, "
+            "slowest %d ticks\n",
+            row->name, tally.alarms, runs, tally.opposed, tally.by_test, tally.vibrating,
+            tally.tested, tally.alarms ? tally.ticks[tally.alarms / 2] : 0,
+            tally.alarms ? tally.ticks[tally.alarms - 1] : 0);
     fflush(stdout);
     // One of two electrodes that sticks is half of the structure, not a healthy loop.
-    const bool is_healthy = row->demand == NO_ALARM && !(row->course.sticks && r->inputs < 3);
-    return is_healthy ? tally.alarms : 0;
+    const bool is_healthy = row->demand == NO_ALARM && !(row->course.sticks && r->plant.inputs < 3);
+    if (is_healthy)
+        return tally.alarms;
+    return row->demand == FOUND ? 0 : tally.by_test;
 }
 
 /*
@@ -632,7 +681,7 @@ static int run_structure(const storm_structure *structure, int runs)
     for (int k = 0; k < ROWS; k++)
         bad += run_row(&r, &rows[k], 1000 * (uint64_t)k, runs);
     print_idle(&r);
-    const bool has_modes = r.damper.modes > 0;
+    const bool has_modes = r.plant.parts.damper.modes > 0;
     close_rig(&r);
     return has_modes ? bad : 0;
 }
@@ -642,6 +691,7 @@ int main(int argc, char **argv)
     const bool is_full = argc > 1;
     const int runs = is_full ? atoi(argv[1]) : 2;
     const char *name = argc > 2 ? argv[2] : "";
+    is_detailed = argc > 3;
     int bad = 0;
     for (int k = 0; k < STRUCTURES && runs <= RUNS_MOST; k++)
         if ((is_full || structures[k].is_quick) && strstr(structures[k].name, name))

@@ -125,6 +125,118 @@ static void wrong_polarity_is_found(void **state)
     }
 }
 
+/*
+ * Let the supervisor tolerate sudden loads that move the structure by half of what half the voltage
+ * range does, so far that the motion along a jump of the target proves nothing.
+ */
+static void tolerate_large_loads(damped_loop *d)
+{
+    d->supervision.load = d->supervision.slack;
+    assert_int_equal(pzs_supervision_seal(&d->supervision), PZS_OK);
+}
+
+/*
+ * Law: where the supervisor tolerates loads that are half as large as the effect of the voltages,
+ * amplifiers of the wrong polarity run to their limits; the polarity test raises the alarm within
+ * 28 periods of the first mode.
+ */
+static void wrong_polarity_at_the_limits_is_found(void **state)
+{
+    static const double play[] = {0, 0.1, 0.3}, gain[] = {1, 0.8, 1.33};
+    const damper_settings settings = damper_default_settings();
+    (void)state;
+    for (int k = 0; k < STRUCTURES; k++) {
+        modal_structure s;
+        damped_loop d;
+        int latest = 0, tests = 0;
+        open_structure(&s, &structures[k]);
+        damped_loop_open(&d, &s, structures[k].interval, s.limit / 15, 1, NULL, 0, &settings);
+        damped_loop_supervise(&d);
+        tolerate_large_loads(&d);
+        for (int i = 0; i < 9; i++) {
+            int tick = 0;
+            damped_loop_reset(&d, (plant_error){-gain[i / 3], 1, 1, 1, play[i % 3], 0, 1e-4});
+            for (; !is_stopped(&d) && tick < 28 * d.supervision.polarity_ticks; tick++)
+                tests += damped_loop_tick(&d, s.goal) == PZS_W_POLARITY;
+            latest = tick > latest ? tick : latest;
+        }
+        print_message("%s: alarm after %d ticks at most, %d ticks of tests, period %d\n",
+                      structures[k].name, latest, tests, d.supervision.polarity_ticks);
+        assert_in_range(latest, 1, 28 * d.supervision.polarity_ticks - 1);
+        assert_true(tests > 0 || !structures[k].is_plate);
+        damped_loop_close(&d);
+        structure_close(&s);
+    }
+}
+
+/* What a load does when a polarity test begins: it stays, vanishes, or turns round. */
+typedef enum load_course { STAYS, VANISHES, TURNS, LOAD_COURSES } load_course;
+
+/* Load factor whose effect is `times` that of half the voltage range. */
+static double load_of_reach(const damped_loop *d, double times)
+{
+    double squares = 0;
+    for (size_t i = 0; i < d->structure->outputs; i++)
+        squares += pow(d->structure->load_shape[i], 2) / (double)d->structure->outputs;
+    return 2 * times * (double)d->supervision.slack / sqrt(squares);
+}
+
+/*
+ * Run a healthy loop whose load grows for 100 periods to many times the effect of the voltages and
+ * stays, or changes in the period after the first pause of a polarity test. Returns the number of
+ * tests, or -1 after an alarm.
+ */
+static int count_tests(damped_loop *d, plant_error error, load_course course, double load)
+{
+    const int period = d->supervision.polarity_ticks;
+    int tests = 0, since = 0;
+    bool was_testing = false;
+    damped_loop_reset(d, error);
+    for (int tick = 0; tick < 240 * period; tick++) {
+        const double grown = fmin(1, fmax(0, tick / (100.0 * period) - 0.1));
+        const double way = fmin(1, fmax(0, (since - period) / (double)period));
+        const double after = 1 - (double)course;
+        d->load = load * grown * (1 + (after - 1) * way);
+        const bool is_testing = damped_loop_tick(d, d->structure->goal) == PZS_W_POLARITY;
+        tests += is_testing && !was_testing;
+        since += tests > 0;
+        was_testing = is_testing;
+        if (is_stopped(d))
+            return -1;
+    }
+    return tests;
+}
+
+/*
+ * Law: a load of six times the effect of half the voltage range makes the shape opposite to the
+ * prediction. The polarity test finds that the structure answers rightly, also where the load
+ * vanishes or turns in its first ramp, and control goes on, with at most three tests in 240
+ * periods.
+ */
+static void large_loads_pass_the_polarity_test(void **state)
+{
+    static const double play[] = {0, 0.1, 0.3}, gain[] = {1, 0.8, 1.33};
+    const damper_settings settings = damper_default_settings();
+    (void)state;
+    for (int k = 0; k < STRUCTURES; k++) {
+        modal_structure s;
+        damped_loop d;
+        int all = 0;
+        open_structure(&s, &structures[k]);
+        damped_loop_open(&d, &s, structures[k].interval, s.limit / 15, 1, NULL, 0, &settings);
+        damped_loop_supervise(&d);
+        for (int i = 0; i < 9 * LOAD_COURSES; i++) {
+            const plant_error error = {gain[i / 3 % 3], 1, 1, 1, play[i % 3], 0, 1e-4};
+            const int tests = count_tests(&d, error, (load_course)(i / 9), load_of_reach(&d, 6));
+            assert_in_range(tests, 0, 3);
+            all += tests;
+        }
+        print_message("%s: %d tests in %d runs\n", structures[k].name, all, 9 * LOAD_COURSES);
+        damped_loop_close(&d);
+        structure_close(&s);
+    }
+}
+
 /* Distance of the shape from the target, relative to the goal. */
 static double shape_error(const damped_loop *d, const double *wanted)
 {
@@ -503,6 +615,8 @@ static void small_targets_raise_no_alarm(void **state)
 int main(void)
 {
     const struct CMUnitTest tests[] = {cmocka_unit_test(wrong_polarity_is_found),
+                                       cmocka_unit_test(wrong_polarity_at_the_limits_is_found),
+                                       cmocka_unit_test(large_loads_pass_the_polarity_test),
                                        cmocka_unit_test(stuck_sensors_are_found),
                                        cmocka_unit_test(noisy_stuck_sensors_are_found),
                                        cmocka_unit_test(readings_return),
