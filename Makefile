@@ -220,7 +220,7 @@ $(call for_variants,identify,64,@tests/rigs/scene_run.o @host.a)
 $(call for_variants,identify_modes,64,@host.a)
 $(call for_variants,calibrate,64 san64,@tests/rigs/scene_run.o @host.a)
 $(call for_variants,model,64 32 san64 san32,@tests/rigs/testdata.o @bridge64.o)
-$(call for_variants,modes,64 32 san64 san32,@bridge64.o)
+$(foreach t,modes open_device,$(call for_variants,$(t),64 32 san64 san32,@bridge64.o))
 $(foreach t,follower contact,$(call for_variants,$(t),64 32 san64 san32,))
 $(call for_variants,simulate,64 san64,@tests/rigs/scene_run.o @host.a)
 $(call for_variants,shell_motion,64 san64,@tests/rigs/testdata.o @tests/rigs/scene_run.o @host.a)
@@ -302,19 +302,19 @@ $(B)/test/motion_storms-64: $(B)/64/tests/unit/sweep_motion.o $(B)/64/tests/rigs
 
 # Fault detector in a loop that damps vibration; `detector-64 45000` runs a million healthy ticks, with check-long.
 UNIT_64 += $(B)/test/detector-64
-$(B)/test/detector-64: $(B)/64/tests/unit/sweep_faults.o $(B)/64/tests/rigs/fault_rig.o $(B)/64/tests/rigs/scene_run.o $(B)/64/host.a $(B)/64/libpiezoshape.a
+$(B)/test/detector-64: $(B)/64/tests/unit/sweep_faults.o $(B)/64/tests/rigs/fault_rig.o $(B)/64/tests/rigs/damped_plant.o $(B)/64/tests/rigs/scene_run.o $(B)/64/host.a $(B)/64/libpiezoshape.a
 	@mkdir -p $(@D)
 	$(CC) $^ $(HOST_LIBS) -o $@
 
 # Sensor gate in a loop that damps vibration; `gate-64 1000000` runs a million healthy ticks, with check-long.
 UNIT_64 += $(B)/test/gate-64
-$(B)/test/gate-64: $(B)/64/tests/unit/sweep_gate.o $(B)/64/tests/rigs/scene_run.o $(B)/64/host.a $(B)/64/libpiezoshape.a
+$(B)/test/gate-64: $(B)/64/tests/unit/sweep_gate.o $(B)/64/tests/rigs/damped_plant.o $(B)/64/tests/rigs/scene_run.o $(B)/64/host.a $(B)/64/libpiezoshape.a
 	@mkdir -p $(@D)
 	$(CC) $^ $(HOST_LIBS) -o $@
 
 # Alarms of the supervisor on reversed amplifiers and on healthy loops; `alarms-64 8` on all structures.
 UNIT_64 += $(B)/test/alarms-64
-$(B)/test/alarms-64: $(B)/64/tests/unit/sweep_alarms.o $(B)/64/tests/rigs/scene_run.o $(B)/64/host.a $(B)/64/libpiezoshape.a
+$(B)/test/alarms-64: $(B)/64/tests/unit/sweep_alarms.o $(B)/64/tests/rigs/damped_plant.o $(B)/64/tests/rigs/scene_run.o $(B)/64/host.a $(B)/64/libpiezoshape.a
 	@mkdir -p $(@D)
 	$(CC) $^ $(HOST_LIBS) -o $@
 

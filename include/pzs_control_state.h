@@ -1,7 +1,9 @@
 /*
  * Internal state of the controller and of the blocks (stages of a tick) of the control loop. The
  * types are public only so that a program can reserve memory for them; the library alone uses their
- * members, which may change in every version. SPDX-License-Identifier: BSD-2-Clause
+ * members, which may change in every version.
+ *
+ * SPDX-License-Identifier: BSD-2-Clause
  */
 #ifndef PZS_CONTROL_STATE_H
 #define PZS_CONTROL_STATE_H
@@ -60,9 +62,9 @@ struct pzs_sparse_calls;
 #define PZS_CONTROL_ROWS(inputs) (2u * (size_t)(inputs) + 23u + PZS_PENDING)
 
 /*
- * Number of real numbers in the memory of the optimiser's method for many inputs, the dual active-
- * set method: a packed triangular Cholesky factor with a row for each input, and two vectors; 0 for
- * fewer than PZS_DUAL_INPUTS inputs, for which the method is not used.
+ * Number of real numbers in the memory of the optimiser's method for many inputs, the dual
+ * active-set method: a packed triangular Cholesky factor with a row for each input, and two
+ * vectors; 0 for fewer than PZS_DUAL_INPUTS inputs, for which the method is not used.
  */
 #define PZS_DUAL_REALS(inputs)                                                                     \
     ((size_t)(inputs) < PZS_DUAL_INPUTS ? 0u : (size_t)(inputs) * ((size_t)(inputs) + 5u) / 2u)
@@ -477,8 +479,11 @@ typedef struct pzs_fault_detector_state {
     uint8_t stage;
 } pzs_fault_detector_state;
 
-/* Number of modelled responses in the least-squares fit of the readings during a test pulse. */
-#define PZS_PULSE_COLUMNS 3u
+/*
+ * Number of unknown factors in the least-squares fit of the readings during a test pulse: those of
+ * three modelled responses, and the vibration of the first mode.
+ */
+#define PZS_PULSE_COLUMNS 4u
 /* Number of equal parts of a test pulse over which its course in time is summed. */
 #define PZS_PULSE_PARTS 16u
 /* Largest number of electrodes that a fault detector suspects at the same time. */
@@ -486,19 +491,20 @@ typedef struct pzs_fault_detector_state {
 
 /*
  * Least-squares fit of the measured response to a test pulse (changes of the readings, each times
- * the scale factor of its sensor, so that they are numbers without unit) by three modelled
- * responses: to the suspected electrode, to the healthy reference electrode, and to all other
- * electrodes.
+ * the scale factor of its sensor, so that they are numbers without unit) by four columns: modelled
+ * responses to the suspected electrode, to the healthy reference electrode and to all other
+ * electrodes, and the readings of a vibration of the first mode.
  */
 typedef struct pzs_pulse_fit {
     /*
      * lower triangle of the matrix of scalar products over the sensors (dimensionless) between the
-     * modelled responses. After the factorisation: its L D L^T factors
+     * columns. After the factorisation: its L D L^T factors
      */
     pzs_real matrix[PZS_PULSE_COLUMNS][PZS_PULSE_COLUMNS];
     /*
-     * scalar products over the sensors (dimensionless) of the measured response with the modelled
-     * responses. After the solution: the gains (measured divided by modelled response)
+     * scalar products over the sensors (dimensionless) of the measured response with the columns.
+     * After the solution: the gains (measured divided by modelled response), and the weighted sum
+     * of the vibration
      */
     pzs_real response[PZS_PULSE_COLUMNS];
     pzs_real own;    /* squared norm over the sensors of the modelled response to the suspected
@@ -524,8 +530,9 @@ typedef struct pzs_pulse_response {
      */
     pzs_real course_error[2];
     pzs_real unexplained; /* unexplained part of the measured response (dimensionless): sum of
-                             squares of the part that no modelled response explains, divided by the
-                             sum of squares of the modelled response */
+                             squares of the part that neither modelled responses nor a vibration of
+                             the first mode explain, divided by the sum of squares of the modelled
+                             response */
     bool is_measured; /* whether the gains (measured over modelled response) can be trusted; false:
                          a load or a motion has disturbed the test pulse, or readings were missing
                        */
@@ -537,10 +544,10 @@ typedef struct pzs_pulse_response {
  */
 typedef struct pzs_pulse_course {
     /*
-     * scalar products over the sensors of two responses (1/V): modelled response per volt, and
-     * change of the readings since the first tick of the pulse (shown), or the part of it that the
-     * model expects of all other electrodes (others). A response is a change of the readings times
-     * their scale factors
+     * scalar products over the sensors of two responses (1/V): modelled response per volt, without
+     * its part in the shape of the first vibration mode, and change of the readings since the first
+     * tick of the pulse (shown), or the part of it that the model expects of all other electrodes
+     * (others). A response is a change of the readings times their scale factors
      */
     pzs_real shown[2][PZS_PULSE_PARTS], others[2][PZS_PULSE_PARTS];
     pzs_real given[2][PZS_PULSE_PARTS]; /* change of the voltage of the electrode since the first
@@ -554,6 +561,10 @@ typedef struct pzs_pulse_detector_state {
     const struct pzs_selftest_tables *tables;
     const pzs_real *direct; /* [sensors][inputs] static reading of each sensor per volt on each
                                input (unit of each sensor / V) */
+    const pzs_real *mode; /* [sensors] entries at intervals of mode_step: reading of each sensor per
+                             coordinate of the first vibration mode (unit of the sensor per m);
+                             NULL: not known */
+    size_t mode_step;     /* distance of two entries of `mode` */
     /*
      * L D L^T factors of D'S^2 D + ridge (1/V2), with which the fault detector estimates by least
      * squares the voltage error of each electrode (voltage that the readings show minus the given
@@ -574,18 +585,24 @@ typedef struct pzs_pulse_detector_state {
      * is a mean deviation. In a test pulse the weights are symmetric in time about its middle
      */
     pzs_real *voltage;
-    pzs_real *late_voltage; /* [inputs] weighted sum of voltages over the ticks of the present test
-                               pulse (V): voltage minus that of its first tick, times a weight that
-                               is antisymmetric in time about the middle of the pulse */
+    /*
+     * [inputs] second weighted sum of voltage deviations (V). In a test pulse the weights are
+     * antisymmetric in time about its middle. In a window (an interval in which readings are
+     * averaged) it is the sum `voltage` of the next window, which begins half a window later
+     */
+    pzs_real *late_voltage;
     pzs_real *effect; /* [inputs] equivalent voltages of the last tick (V): the voltages that would
                          move the structure as far without hysteresis, according to the measured
                          hysteresis model */
-    pzs_real *cleared_loss; /* [inputs] size of the voltage error of each electrode when the fault
-                               detector last suspected it (V): absolute difference between the
-                               voltage given to the electrode and the voltage that the readings
-                               showed */
-    pzs_real *base_voltage; /* [inputs] base voltages: mean voltages of an interval in which the
-                               target shape stood still, with which later ones are compared (V) */
+    pzs_real *cleared_loss;  /* [inputs] size of the voltage error of each electrode when the fault
+                                detector last suspected it (V): absolute difference between the
+                                voltage given to the electrode and the voltage that the readings
+                                showed */
+    pzs_real *base_voltage;  /* [inputs] base voltages: mean voltages of an interval in which the
+                                target shape stood still, with which later ones are compared (V) */
+    pzs_real *still_voltage; /* [inputs] mean voltages of the last window (interval in which
+                                readings are averaged) in which the target shape stood still and no
+                                electrode was suspected (V) */
     pzs_real *move; /* [inputs] change of the mean voltages from the base interval, in which the
                        target shape stood still, to the last window (interval in which readings are
                        averaged) (V); while a test pulse is evaluated, work array */
@@ -599,9 +616,15 @@ typedef struct pzs_pulse_detector_state {
     pzs_real *resolved;
     /*
      * [inputs] scalar products over the sensors (1/V2) of the scaled modelled response per volt of
-     * each electrode with that of the suspected electrode [0], and of the reference electrode [1]
+     * each electrode with that of the suspected electrode [0], and of the reference electrode [1].
+     * From the first test pulse on their part in the shape of the first vibration mode is left out
      */
     pzs_real *product[2];
+    pzs_real *vibrating; /* [inputs] part of the modelled response of each electrode in the shape of
+                            the first vibration mode that is left out, as a coordinate of this mode
+                            per volt (m/V) */
+    pzs_real mode_square; /* squared norm of the scaled readings per coordinate of the first
+                             vibration mode (1/m2), times 1 + PZS_PULSE_MODE_WEIGHT (pulse_fit.h) */
     /*
      * [inputs] resolution of each electrode by the sensors (0 to 1): part of a missing voltage that
      * the least-squares estimate finds at the electrode itself, if no other electrode lacks a
@@ -619,10 +642,8 @@ typedef struct pzs_pulse_detector_state {
      * its middle
      */
     pzs_real *reading;
-    pzs_real *late_reading; /* [sensors] weighted sum of readings over the ticks of the present test
-                               pulse (unit of each sensor): reading minus that of its first tick,
-                               times a weight that is antisymmetric in time about the middle of the
-                               pulse */
+    pzs_real *late_reading; /* [sensors] second weighted sum of deviations of the readings, with the
+                               weights of late_voltage (unit of each sensor) */
     pzs_real *base_reading; /* [sensors] base readings: mean readings of an interval in which the
                                target shape stood still, with which later ones are compared (unit of
                                each sensor) */
@@ -634,8 +655,9 @@ typedef struct pzs_pulse_detector_state {
     uint8_t *fault;     /* [inputs] fault of each electrode, a value of pzs_electrode_fault */
     uint8_t *pause; /* [inputs] number of further windows (intervals in which readings are averaged)
                        during which an electrode that has passed its test is not suspected */
-    uint8_t *is_missing; /* [sensors] 1: a reading was missing in the present window (interval in
-                            which readings are averaged) or test pulse */
+    uint8_t *is_missing; /* [sensors] bits: 1: a reading was missing in the present half window or
+                            test pulse; 2: in the half window before. Readings are averaged over
+                            windows; the second half of one is the first half of the next */
     pzs_real ridge; /* regularisation weight (1/V2) when the fault detector estimates the voltage
                        errors of all electrodes by least squares. The voltage error of an
                        electrode is the voltage that the readings show minus the one that its
@@ -667,8 +689,9 @@ typedef struct pzs_pulse_detector_state {
                         the structure differs from the model (dimensionless) */
     pzs_real rest; /* part of the change of the readings that no voltage errors explain, in the last
                       comparison with an interval in which the target shape stood still (V2) */
-    uint32_t position; /* number of ticks since the fault detector began its present window
-                          (interval in which readings are averaged) or test pulse */
+    uint32_t position; /* number of ticks since the fault detector began its present half window
+                          (readings are averaged over windows), pause or test pulse */
+    uint32_t still;    /* number of ticks since the target shape last changed */
     uint16_t suspect, reference; /* inputs of the electrodes under test: the one suspected of a
                                     fault, and the healthy one with which it is compared; 0xFFFF:
                                     none */
@@ -684,8 +707,10 @@ typedef struct pzs_pulse_detector_state {
                         has not responded */
     bool is_grown;   /* whether the fault detector makes test pulses higher than usual, because
                         neither electrode under test responded to pulses of the usual height */
-    bool is_moving;  /* whether the target shape has changed in the present window, the interval in
-                        which readings are averaged */
+    bool is_moving;  /* whether the target shape has changed in the present half window; readings
+                        are averaged over windows */
+    bool has_half;   /* whether the first half of the present window has been averaged */
+    bool half_moved; /* whether the target shape changed in the first half of the present window */
     bool was_moving; /* whether the target shape changed in the window whose means are compared */
     bool has_base, has_taken; /* has_base: whether there was an interval in which the target shape
                                  stood still, with which later readings are compared; has_taken:
@@ -924,6 +949,12 @@ typedef struct pzs_supervisor_core {
      * has replaced the voltages of the controller by its own; 0: none
      */
     uint32_t cause;
+    /*
+     * Polarity test, in which the supervisor moves the voltages to the park voltages and back to
+     * find out whether amplifiers have the wrong polarity: number of ramps begun, number of ticks
+     * since the last one has ended, and length of a whole ramp (ticks)
+     */
+    uint32_t test_ramp, test_tick, test_length;
 } pzs_supervisor_core;
 
 /*
@@ -965,6 +996,29 @@ typedef struct pzs_stuck_state {
 } pzs_stuck_state;
 
 /*
+ * State of the polarity test, with which the supervisor of the loop finds out whether a shape that
+ * is opposite to the prediction is the effect of amplifiers of the wrong polarity or of a load.
+ */
+typedef struct pzs_polarity_test_state {
+    pzs_real before[2]; /* scalar products of the predicted shape at the start of the test with the
+                           predicted shape [0] and with the mean measured shape [1], before the last
+                           ramp of the voltages (m2) */
+    pzs_real now[2];    /* the same products after the last ramp (m2); the one with the measured
+                           shape is the sum of the ticks so far */
+    pzs_real answer; /* motion of the structure after the last ramp of the voltages, relative to the
+                        predicted one */
+    pzs_real square; /* square of the norm of the predicted shape at the start of the test (m2) */
+    pzs_real tolerated; /* amplitude of vibration (m) that is tolerated besides the threshold,
+                           because the last test has excited it; decays with time */
+    uint32_t turn;      /* counter of ticks, which tells in which of them shapes are compared */
+    uint32_t opposed;   /* counter of ticks in which the shape is opposite to the prediction; others
+                           lower it by two */
+    uint32_t rest;      /* number of ticks until the next test may begin */
+    uint32_t confirmed; /* number of successive ramps with the same answer as the ramp before */
+    uint32_t tests;     /* number of tests in which the structure answered as predicted */
+} pzs_polarity_test_state;
+
+/*
  * State of the divergence monitor, with which the supervisor of the loop detects a measured shape
  * that the model cannot explain.
  */
@@ -1001,6 +1055,7 @@ typedef struct pzs_monitor_state {
                            the vibration has fallen sets it to the number of ticks of a half period
                          */
     pzs_polarity_state polarity;
+    pzs_polarity_test_state test;
     pzs_stuck_state stuck;
     bool is_opposed; /* whether the structure has moved opposite to the predicted direction, by more
                         than loads and noise explain, as with reversed amplifiers */

@@ -61,8 +61,9 @@ typedef enum pzs_block_phase {
 } pzs_block_phase;
 
 /*
- * Signals that the blocks (stages of a control tick) pass on to each other. All arrays are read-
- * only: a block that changes a signal redirects the pointer to an array of its own.
+ * Signals that the blocks (stages of a control tick) pass on to each other. No block changes
+ * the numbers in these arrays: a block that changes a signal redirects the pointer to an array of
+ * its own.
  */
 typedef struct pzs_loop_signals {
     pzs_control *control;      /* controller of the loop; NULL until it is initialised */
@@ -92,8 +93,11 @@ typedef struct pzs_loop_signals {
                                             not compensate hysteresis */
     bool has_inverse; /* during the initialisation of the loop: whether pzs_inverse_block, the
                          second stage of the compensation of hysteresis, is in its list of blocks */
-    bool has_damper;  /* during the initialisation of the loop: whether pzs_vibration_block, which
-                         damps vibration, is in its list of blocks */
+    /*
+     * Tables of pzs_vibration_block, which damps vibration: during the initialisation of the loop
+     * and in each tick from its turn on; NULL: this block is not in the list of blocks of the loop
+     */
+    const struct pzs_vibration *vibration;
     /*
      * Curves of the actuators: displacement as a function of the voltage, where it is not
      * proportional to it; NULL: none. During the initialisation of the loop pzs_curve_inverse_block
@@ -126,12 +130,16 @@ typedef struct pzs_loop_signals {
     bool is_repeated;   /* with a vibration damper: whether no reading differs from that of the last
                            tick */
     uint16_t delay;     /* with a vibration damper: age of the readings (ticks) */
-    uint32_t warnings;  /* one bit, 1 << status, for each warning that a block (stage of the control
-                           tick) has returned in this tick */
-    pzs_status status;  /* status of the tick after the stages that have run so far; the supervisor
-                           reads it */
-    uint16_t sensors;   /* number of sensor readings that the later stages of the control tick need,
-                           which is the length of `readings` */
+    const pzs_real *sensed;   /* [sensors] with a vibration damper: last usable reading of each
+                                 sensor (unit of each sensor); NULL: without one */
+    const pzs_real *expected; /* [sensors] with a vibration damper: readings in static equilibrium
+                                 under the present voltages without loads (unit of each sensor) */
+    uint32_t warnings; /* one bit, 1 << status, for each warning that a block (stage of the control
+                          tick) has returned in this tick */
+    pzs_status status; /* status of the tick after the stages that have run so far; the supervisor
+                          reads it */
+    uint16_t sensors;  /* number of sensor readings that the later stages of the control tick need,
+                          which is the length of `readings` */
     int32_t where; /* index of the input, output or reading to which the status of a block (stage of
                       the control tick) refers, or -1; the block writes it */
 } pzs_loop_signals;
@@ -323,10 +331,11 @@ pzs_status pzs_loop_tick(pzs_loop *loop, const pzs_real *wanted, const pzs_real 
  *     (PZS_W_HELD), because only the watchdog then limits how long this lasts. A tick without
  *     readings (NULL) is in order there: such a loop may have no sensors.
  * A heartbeat all the same:
- *   - parked voltages, a self-test, and the way to the park voltages (PZS_W_PARKED, PZS_W_SELFTEST,
- *     PZS_W_RAMP): these ticks work as intended, and a reset on the way would let voltages jump. A
- *     ramp after an error or an alarm ends in PZS_E_LATCHED, after at most
- *     pzs_supervisor_longest_ramp ticks without missed ones; from then on there is no heartbeat;
+ *   - parked voltages, a self-test, a polarity test, and the way to the park voltages
+ *     (PZS_W_PARKED, PZS_W_SELFTEST, PZS_W_POLARITY, PZS_W_RAMP): these ticks work as intended, and
+ *     a reset on the way would let voltages jump. A ramp after an error or an alarm ends in
+ *     PZS_E_LATCHED, after at most pzs_supervisor_longest_ramp ticks without missed ones; from then
+ *     on there is no heartbeat;
  *   - with a supervisor: ticks without usable readings, until its time-out starts that ramp. With a
  *     time-out of 0 ticks they last for ever.
  * A time-out of the watchdog of several tick periods tolerates single ticks that are not in order.
@@ -675,6 +684,8 @@ extern const pzs_block_type pzs_free_functions_block;
  *   PARKED      kept where this ramp has ended       command RESUME: ARMED
  *   STOPPING    ramp to the park voltages            ramp ended: LATCHED
  *   LATCHED     kept at the park voltages            none
+ *   TESTING     ramps of the polarity test           test passed: RUNNING; failed: STOPPING
+ *                                                    no usable reading: HOLDING
  */
 typedef enum pzs_supervisor_mode {
     PZS_MODE_INITIALISE = 0, /* operating mode of the supervisor before the command PZS_COMMAND_ARM:
@@ -697,6 +708,12 @@ typedef enum pzs_supervisor_mode {
     PZS_MODE_LATCHED,  /* operating mode of the supervisor in which the voltages stay at the park
                           voltages (safe voltages of the amplifiers) after an error or an alarm,
                           until the next initialisation */
+    /*
+     * operating mode of the supervisor in which the voltages ramp towards the park voltages and
+     * back, because the shape is opposite to the prediction: the answer of the structure tells
+     * whether amplifiers have the wrong polarity or a load is the cause
+     */
+    PZS_MODE_TESTING,
     PZS_SUPERVISOR_MODES
 } pzs_supervisor_mode;
 
@@ -709,7 +726,7 @@ typedef enum pzs_supervisor_mode {
  *   voltages), FLAT (ramp to the
  *   reference voltages)
  *   command STOP, error of a block        all but LATCHED                  STOPPING
- *   time-out without readings, alarm of   RUNNING, HOLDING                 STOPPING
+ *   time-out without readings, alarm of   RUNNING, HOLDING, TESTING        STOPPING
  *   the divergence monitor
  */
 typedef enum pzs_supervisor_command {
@@ -863,6 +880,7 @@ pzs_supervisor_mode pzs_supervisor_next(pzs_supervisor_mode mode, pzs_supervisor
  *   PZS_W_RAMP     control is lost, the voltages are on their way to the park voltages; the program
  *                  must keep calling pzs_loop_tick
  *   PZS_E_LATCHED  the park voltages are published and the loop is over
+ *   PZS_W_POLARITY the polarity test moves the voltages; control goes on after it, or ends
  *   others         the loop controls the voltages: status of the other stages of the tick
  *
  * A program that ticks until an error (top of this file) thus ends with the amplifiers at the park
@@ -1834,21 +1852,21 @@ extern const pzs_block_type pzs_selftest_block;
  */
 /*
  * Longest time until a fault that the readings show well is suspected while the target moves
- * (ticks): two windows of half a test pulse in which readings are averaged, as a fault may occur in
- * the middle of the first one.
+ * (ticks): three halves of a window of half a test pulse in which readings are averaged. Windows
+ * overlap by half, and the fault may occur at the beginning of a half.
  */
 #define PZS_SUSPICION_TICKS(pulse_ticks, delay)                                                    \
-    (2u * ((uint32_t)(pulse_ticks) / 2u + (uint32_t)(delay) + 1u + 4u))
+    (3u * ((uint32_t)(pulse_ticks) / 4u + (uint32_t)(delay) + 1u + 3u) + 1u)
 /*
  * Duration of a proof (ticks), from the last motion of the target until a suspected electrode is
  * found faulty by one undisturbed test pulse:
  *   pulse_ticks / 4 + delay + 1   pause, in which vibration decays
  *   4                             comparison of mean readings, choice of the electrodes to test
  *   pulse_ticks + delay + 1       test pulse
- *   3                             evaluation of the pulse
+ *   4                             evaluation of the pulse
  */
 #define PZS_PROOF_TICKS(pulse_ticks, delay)                                                        \
-    ((uint32_t)(pulse_ticks) / 4u + (uint32_t)(pulse_ticks) + 2u * ((uint32_t)(delay) + 1u) + 7u)
+    ((uint32_t)(pulse_ticks) / 4u + (uint32_t)(pulse_ticks) + 2u * ((uint32_t)(delay) + 1u) + 8u)
 /* Smallest number of sensors with which the fault detector can prove an electrode faulty. */
 #define PZS_PULSE_SENSORS 4u
 
@@ -1894,7 +1912,7 @@ extern const pzs_block_type pzs_pulse_detector_block;
 #define PZS_PULSE_DETECTOR_BLOCK_BYTES(inputs, sensors, outputs)                                   \
     PZS_ALIGNED(PZS_ALIGNED(sizeof(pzs_pulse_detector)) +                                          \
                 sizeof(pzs_real) *                                                                 \
-                    (PZS_DENSE(inputs) + 8u * (size_t)(inputs) + 5u * PZS_FOURS(inputs) +          \
+                    (PZS_DENSE(inputs) + 10u * (size_t)(inputs) + 5u * PZS_FOURS(inputs) +         \
                      6u * (size_t)(sensors) + (size_t)(outputs)) +                                 \
                 sizeof(uint32_t) * ((size_t)(inputs) / PZS_TILE + 2u) +                            \
                 (sizeof(uint16_t) + 3u) * (size_t)(inputs) + (size_t)(sensors))

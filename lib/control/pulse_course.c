@@ -57,8 +57,11 @@ void pzs_pulse_course_readings(pzs_pulse_detector_state *state, uint32_t tick)
         const pzs_real scale = state->is_missing[i] ? 0 : tables->scale[i];
         const pzs_real change = scale * scale * (state->last_reading[i] - state->first_reading[i]);
         const pzs_real *row = state->direct + (size_t)i * tables->inputs;
-        shown[SUSPECT] += row[state->suspect] * change;
-        shown[REFERENCE] += row[state->reference] * change;
+        const pzs_real mode = mode_reading(state, i);
+        for (uint32_t k = 0; k < 2; k++) {
+            const uint32_t j = tested_input(state, k);
+            shown[k] += (row[j] - state->vibrating[j] * mode) * change;
+        }
     }
     for (uint32_t k = 0; k < 2; k++)
         state->course.shown[k][part] += shown[k];

@@ -9,7 +9,8 @@
  *                   readings show in a tick (V)
  *   A [2][2]        scalar products of the modelled responses per volt of both electrodes (1/V2)
  *   b [2]           scalar products of these with the changes of the readings since the first tick
- *                   of the pulse, without those that the voltages of all other electrodes explain
+ *                   of the pulse, without those that the voltages of all other electrodes explain;
+ *                   in A and b the shape of the first vibration mode is left out (pulse_fit.h)
  *   course error    largest minus smallest mean of z - gain * given voltage over windows of one
  *                   period of the first vibration mode, which vibration of this mode hardly changes
  *

@@ -166,10 +166,10 @@
  */
 #define MOST_TRIES 4u
 /*
- * Number of windows (times over which readings are averaged) during which an electrode that has
- * passed its test is not suspected.
+ * Number of half windows (windows are times over which readings are averaged) during which an
+ * electrode that has passed its test is not suspected.
  */
-#define CLEARED_WINDOWS 32u
+#define CLEARED_HALVES 64u
 /*
  * An electrode that has passed its test is suspected again if the voltage that it seems to lack
  * exceeds this multiple of the voltage that it seemed to lack before the test.
@@ -203,6 +203,14 @@
  *   JUDGING    some ticks in which it evaluates the pulse, a part of the work in each
  */
 enum { WAITING = 0, COMPARING, CHOOSING, PULSING, JUDGING };
+/* Number of ticks in which the fault detector compares means. */
+#define COMPARING_TICKS 3u
+/*
+ * Marks of a sensor without a usable reading: in the present half window, pause or test pulse, and
+ * in the half window before.
+ */
+#define MISSING_NOW 1u
+#define MISSING_BEFORE 2u
 
 static pzs_real square(pzs_real number)
 {
@@ -255,6 +263,8 @@ static void lay_out(pzs_pulse_detector *detector, uint32_t inputs, uint32_t sens
     state->product[SUSPECT] = take_reals(&next, PZS_FOURS(inputs));
     state->product[REFERENCE] = take_reals(&next, PZS_FOURS(inputs));
     state->resolution = take_reals(&next, inputs);
+    state->vibrating = take_reals(&next, inputs);
+    state->still_voltage = take_reals(&next, inputs);
     state->last_reading = take_reals(&next, sensors);
     state->first_reading = take_reals(&next, sensors);
     state->reading = take_reals(&next, sensors);
@@ -292,6 +302,21 @@ static void repair_phase(pzs_pulse_detector_state *state)
 }
 
 /*
+ * Set the pointer of the fault detector to the readings of the first vibration mode in the tables
+ * of the damper, or to NULL if the loop has no damper or one with other sensors.
+ */
+static void find_mode(pzs_pulse_detector_state *state, const pzs_vibration *vibration)
+{
+    const bool is_known =
+        vibration != NULL && vibration->sensors == state->tables->sensors && vibration->modes > 0;
+    state->mode = NULL;
+    if (!is_known)
+        return;
+    state->mode = vibration->reading != NULL ? vibration->reading : vibration->shape;
+    state->mode_step = vibration->modes;
+}
+
+/*
  * Set the pointers of the fault detector to its tables, its controller and its arrays, and reset
  * indices of electrodes that damaged memory has made invalid.
  */
@@ -303,23 +328,41 @@ static void place(pzs_pulse_detector *detector, const pzs_loop_signals *signals)
     state->tables = tables;
     state->control = signals->control;
     state->direct = tables->direct != NULL ? tables->direct : signals->control->state.influence;
+    find_mode(state, signals->vibration);
     lay_out(detector, tables->inputs, tables->sensors, problem->outputs);
     guard_repair_bool(&state->has_base);
     guard_repair_bool(&state->has_taken);
     guard_repair_bool(&state->is_grown);
     guard_repair_bool(&state->is_moving);
+    guard_repair_bool(&state->has_half);
+    guard_repair_bool(&state->half_moved);
     guard_repair_bool(&state->was_moving);
     guard_repair_bool(&state->response.is_measured);
     state->silent = state->silent < WEAK_PULSES ? state->silent : 0;
     repair_phase(state);
 }
 
-/* Let the fault detector begin an activity: averaging of readings, or a test pulse. */
+/*
+ * Let the fault detector begin an activity: averaging of readings, or a test pulse. What it has
+ * averaged before is lost, except during a comparison.
+ */
 static void begin(pzs_pulse_detector_state *state, uint32_t phase)
 {
     state->phase = (uint8_t)phase;
     state->position = 0;
     state->is_moving = false;
+    state->has_half = state->has_half && phase == COMPARING;
+}
+
+/*
+ * Go on with the second half of a window, which is the first half of the next window.
+ *   is_moving in  whether the target has moved since the first half
+ */
+static void begin_half(pzs_pulse_detector_state *state, bool is_moving)
+{
+    begin(state, WAITING);
+    state->has_half = true;
+    state->is_moving = is_moving;
 }
 
 /* ---- readings and voltages ------------------------------------------------ */
@@ -354,21 +397,32 @@ static void take_readings(pzs_pulse_detector_state *state, const pzs_real *readi
         if (is_usable)
             state->last_reading[i] = reading;
         else if (state->phase == WAITING || state->phase == PULSING)
-            state->is_missing[i] = 1;
+            state->is_missing[i] |= MISSING_NOW;
     }
 }
 
 /*
- * Return the duration of the present window (time over which readings are averaged), or of the
- * present test pulse (ticks). Before the test pulses of a suspected electrode a shorter window lets
- * vibration decay.
+ * Return the duration of the pause before the test pulses of a suspected electrode, in which
+ * vibration decays, and of half a window in which readings are averaged (ticks).
  */
-static uint32_t window_ticks(const pzs_pulse_detector_state *state)
+static uint32_t half_ticks(const pzs_pulse_detector_state *state)
 {
-    const uint32_t ticks = state->tables->pulse_ticks;
-    if (state->phase == WAITING)
-        return state->suspect == NO_INPUT ? ticks / 2u : ticks / 4u;
-    return ticks;
+    return state->tables->pulse_ticks / 4u;
+}
+
+/*
+ * Return the number of ticks between the two halves of a window in which readings are averaged: the
+ * last readings of the first half arrive, and COMPARING_TICKS compare the means of the last window.
+ */
+static uint32_t gap_ticks(const pzs_pulse_detector_state *state)
+{
+    return state->tables->delay + 1u + COMPARING_TICKS;
+}
+
+/* Return the duration of the present half window, pause or test pulse (ticks). */
+static uint32_t activity_ticks(const pzs_pulse_detector_state *state)
+{
+    return state->phase == WAITING ? half_ticks(state) : state->tables->pulse_ticks;
 }
 
 /*
@@ -378,35 +432,74 @@ static uint32_t window_ticks(const pzs_pulse_detector_state *state)
 typedef struct weights {
     pzs_real mean; /* weight of a tick in a mean of readings or voltages; during a test pulse,
                       weight in the sum that measures the response to the pulse (dimensionless) */
-    pzs_real late; /* weight of a tick in the sum that measures a sudden step of the readings during
-                      a test pulse (dimensionless) */
+    pzs_real late; /* weight of a tick in the mean over the next window; during a test pulse, weight
+                      in the sum that measures a sudden step of the readings (dimensionless) */
 } weights;
+
+/*
+ * Return the sum of the weights of the ticks between the two halves of a window in its mean
+ * (dimensionless). The first tick of the second half has their weights in addition to its own.
+ */
+static pzs_real gap_weight(const pzs_pulse_detector_state *state)
+{
+    const uint32_t gap = gap_ticks(state), ticks = 2u * half_ticks(state) + gap;
+    return test_pulse_mean(0) * (pzs_real)gap / (pzs_real)ticks;
+}
+
+/*
+ * Return the weights of a tick of half a window: in the mean over the window of which it is the
+ * second half, and in the mean over the next window.
+ */
+static weights half_weights(const pzs_pulse_detector_state *state, uint32_t tick)
+{
+    const uint32_t later = half_ticks(state) + gap_ticks(state), ticks = later + half_ticks(state);
+    const pzs_real second = test_pulse_mean(test_pulse_place(later + tick, ticks));
+    const pzs_real first = test_pulse_mean(test_pulse_place(tick, ticks));
+    const pzs_real gap = tick == 0 ? gap_weight(state) : 0;
+    return (weights){second / (pzs_real)ticks + gap, first / (pzs_real)ticks};
+}
 
 static weights weights_of(const pzs_pulse_detector_state *state, uint32_t tick)
 {
-    const uint32_t ticks = window_ticks(state);
+    const uint32_t ticks = activity_ticks(state);
     const pzs_real place = test_pulse_place(tick, ticks);
+    if (state->phase == WAITING && state->suspect == NO_INPUT)
+        return half_weights(state, tick);
     if (state->phase == WAITING)
         return (weights){test_pulse_mean(place) / (pzs_real)ticks, 0};
     return (weights){test_pulse_even(place), test_pulse_late(place)};
 }
 
 /*
- * Add a tick to weighted sums of `count` voltages or readings over the present test pulse or
- * window: its values minus those of the first tick, times the weights.
- *   is_first      in      whether the tick is the first one
- *   first [count] in/out  values of the first tick
- *   sum [count]   in/out  sums with the weight of the mean
- *   late [count]  in/out  sums that measure a sudden step
+ * Begin weighted sums of `count` voltages or readings over the present half window, pause or test
+ * pulse. In the second half of a window the sums over the first half are continued.
+ *   value [count] in      values of the first tick
+ *   first [count] in/out  values that will be subtracted
+ *   sum [count]   out     sums with the weight of the mean
+ *   late [count]  in/out  sums with the second weight
  */
-static void add_tick(const pzs_real *value, uint32_t count, weights weight, bool is_first,
-                     pzs_real *first, pzs_real *sum, pzs_real *late)
+static void begin_sums(const pzs_real *value, uint32_t count, bool has_half, pzs_real *first,
+                       pzs_real *sum, pzs_real *late)
 {
-    if (is_first) {
+    if (has_half) {
+        memcpy(sum, late, count * sizeof *sum);
+    } else {
         memcpy(first, value, count * sizeof *first);
         memset(sum, 0, count * sizeof *sum);
-        memset(late, 0, count * sizeof *late);
     }
+    memset(late, 0, count * sizeof *late);
+}
+
+/*
+ * Add a tick to weighted sums of `count` voltages or readings over the present half window, pause
+ * or test pulse: its values minus those of the first tick, times the weights.
+ *   first [count] in      values that are subtracted
+ *   sum [count]   in/out  sums with the weight of the mean
+ *   late [count]  in/out  sums with the second weight
+ */
+static void add_tick(const pzs_real *value, uint32_t count, weights weight, const pzs_real *first,
+                     pzs_real *sum, pzs_real *late)
+{
     for (uint32_t i = 0; i < count; i++) {
         const pzs_real change = value[i] - first[i];
         sum[i] += weight.mean * change;
@@ -420,9 +513,12 @@ static void add_tick(const pzs_real *value, uint32_t count, weights weight, bool
  */
 static void add_voltages(pzs_pulse_detector_state *state, const pzs_real *voltage)
 {
-    const uint32_t tick = state->position;
-    add_tick(voltage, state->tables->inputs, weights_of(state, tick), tick == 0,
-             state->first_voltage, state->voltage, state->late_voltage);
+    const uint32_t tick = state->position, inputs = state->tables->inputs;
+    if (tick == 0)
+        begin_sums(voltage, inputs, state->has_half, state->first_voltage, state->voltage,
+                   state->late_voltage);
+    add_tick(voltage, inputs, weights_of(state, tick), state->first_voltage, state->voltage,
+             state->late_voltage);
     if (state->phase == PULSING)
         pzs_pulse_course_voltages(state, tick, voltage);
 }
@@ -434,21 +530,35 @@ static void add_voltages(pzs_pulse_detector_state *state, const pzs_real *voltag
  */
 static void add_readings(pzs_pulse_detector_state *state, uint32_t tick)
 {
-    add_tick(state->last_reading, state->tables->sensors, weights_of(state, tick), tick == 0,
-             state->first_reading, state->reading, state->late_reading);
+    const uint32_t sensors = state->tables->sensors;
+    if (tick == 0)
+        begin_sums(state->last_reading, sensors, state->has_half, state->first_reading,
+                   state->reading, state->late_reading);
+    add_tick(state->last_reading, sensors, weights_of(state, tick), state->first_reading,
+             state->reading, state->late_reading);
     if (state->phase == PULSING)
         pzs_pulse_course_readings(state, tick);
 }
 
+/* Begin to mark the sensors without a usable reading in the present half window or test pulse. */
+static void begin_marks(pzs_pulse_detector_state *state)
+{
+    for (uint32_t i = 0; i < state->tables->sensors; i++) {
+        const bool was_missing = state->has_half && (state->is_missing[i] & MISSING_NOW) != 0;
+        state->is_missing[i] = was_missing ? MISSING_BEFORE : 0;
+    }
+}
+
 /*
- * Make one tick of a window in which readings are averaged, or of a test pulse. The readings show
- * the voltages that were set `delay` + 1 ticks ago. Returns whether the window or pulse has ended.
+ * Make one tick of half a window in which readings are averaged, of a pause, or of a test pulse.
+ * The readings show the voltages that were set `delay` + 1 ticks ago. Returns whether the half
+ * window, pause or pulse has ended.
  */
 static bool measure(pzs_pulse_detector_state *state, const pzs_real *voltage)
 {
-    const uint32_t ticks = window_ticks(state), late = state->tables->delay + 1u;
+    const uint32_t ticks = activity_ticks(state), late = state->tables->delay + 1u;
     if (state->position == 0)
-        memset(state->is_missing, 0, state->tables->sensors);
+        begin_marks(state);
     if (state->position < ticks)
         add_voltages(state, voltage);
     if (state->position >= late)
@@ -661,16 +771,33 @@ static void exchange(pzs_real pair[2])
  */
 
 /*
+ * Compute the means of `count` voltages or readings over a window.
+ *   weight in  sum of the weights of the first half of a window
+ *   first [count] in/out  values that were subtracted; means
+ *   sum [count]   in      weighted sums over the window
+ *   late [count]  in/out  weighted sums over the first half of the next window, from which now the
+ *                         means are subtracted
+ */
+static void add_means(uint32_t count, pzs_real weight, pzs_real *first, const pzs_real *sum,
+                      pzs_real *late)
+{
+    for (uint32_t i = 0; i < count; i++) {
+        first[i] += sum[i];
+        late[i] -= weight * sum[i];
+    }
+}
+
+/*
  * Compute the mean voltages and mean readings of a window, a time over which the fault detector
- * averages: value in the first tick plus weighted sum of the deviations from it. The means replace
- * the values of the first tick in the state of the detector.
+ * averages. The means replace the values of the first tick in the state of the detector.
  */
 static void find_means(pzs_pulse_detector_state *state)
 {
-    for (uint32_t j = 0; j < state->tables->inputs; j++)
-        state->first_voltage[j] += state->voltage[j];
-    for (uint32_t i = 0; i < state->tables->sensors; i++)
-        state->first_reading[i] += state->reading[i];
+    const pzs_real weight = (1 - gap_weight(state)) / 2;
+    add_means(state->tables->inputs, weight, state->first_voltage, state->voltage,
+              state->late_voltage);
+    add_means(state->tables->sensors, weight, state->first_reading, state->reading,
+              state->late_reading);
 }
 
 /*
@@ -797,6 +924,18 @@ static own_loss own_loss_of(const pzs_pulse_detector_state *state, uint32_t j,
 }
 
 /*
+ * Whether the voltage error of electrode j is that of a fault: of a dead electrode, of one that is
+ * stuck or reversed since an earlier interval in which the target stood still, or of one that is
+ * stuck since the last window in which the target stood still. Voltages may have crept between.
+ */
+static bool is_plausible(const pzs_pulse_detector_state *state, uint32_t j, const own_loss *own)
+{
+    const pzs_real gain = 1 + own->common, voltage = state->first_voltage[j];
+    return is_loss_of(own->lost, gain * state->move[j]) || is_loss_of(own->lost, gain * voltage) ||
+           is_loss_of(own->lost, gain * (voltage - state->still_voltage[j]));
+}
+
+/*
  * Return which part (0 to 1) of the change of the readings a fault of electrode j would explain.
  * The result is 0 if the voltage that the electrode seems to lack fits neither a dead nor a stuck
  * or reversed electrode.
@@ -807,13 +946,11 @@ static pzs_real share_of(const pzs_pulse_detector_state *state, uint32_t j, cons
                          pzs_real rest)
 {
     const own_loss own = own_loss_of(state, j, sums);
-    const pzs_real gain = 1 + own.common;
     const pzs_real explained = state->resolution[j] * square(own.lost);
     const pzs_real all =
         sums->losses - 2 * own.common * sums->both + square(own.common) * sums->moves + rest;
-    const bool is_plausible = is_loss_of(own.lost, gain * state->move[j]) ||
-                              is_loss_of(own.lost, gain * state->first_voltage[j]);
-    if (!is_plausible || !(number_absolute(own.lost) > NOTICED * state->tables->amplitude[j]))
+    const bool is_noticed = number_absolute(own.lost) > NOTICED * state->tables->amplitude[j];
+    if (!is_noticed || !is_plausible(state, j, &own))
         return 0;
     return explained / (all > explained ? all : explained);
 }
@@ -911,6 +1048,19 @@ static void compare_shapes(pzs_pulse_detector_state *state, uint32_t number, uin
         weighted[i] = square(tables->scale[i]) * state->direct[(size_t)i * tables->inputs + input];
     pzs_product_sum_rows(state->product[number], state->direct, tables->inputs, weighted,
                          tables->sensors, tables->inputs);
+}
+
+/*
+ * Leave the part in the shape of the first vibration mode out of the scalar products that
+ * compare_shapes has computed for both electrodes under test.
+ */
+static void leave_vibration_out(pzs_pulse_detector_state *state)
+{
+    for (uint32_t k = 0; k < 2; k++) {
+        const pzs_real part = state->mode_square * state->vibrating[tested_input(state, k)];
+        for (uint32_t j = 0; j < state->tables->inputs; j++)
+            state->product[k][j] -= part * state->vibrating[j];
+    }
 }
 
 /*
@@ -1056,15 +1206,29 @@ static void begin_suspicion(pzs_pulse_detector_state *state, uint32_t suspect, b
 static void clear_electrode(pzs_pulse_detector_state *state, uint32_t j)
 {
     state->electrode[j] = PZS_ELECTRODE_CLEARED;
-    state->pause[j] = CLEARED_WINDOWS;
+    state->pause[j] = CLEARED_HALVES;
     state->cleared_loss[j] = number_absolute(state->loss[j]);
     for (uint32_t k = 0; k < PZS_PULSE_CANDIDATES; k++)
         if (state->candidate[k] == j)
             state->candidate[k] = NO_INPUT;
 }
 
+/* Return the number of a candidate that may still be tested; PZS_PULSE_CANDIDATES if there is none.
+ */
+static uint32_t next_candidate(const pzs_pulse_detector_state *state)
+{
+    uint32_t k = 0;
+    for (; k < PZS_PULSE_CANDIDATES; k++) {
+        const uint32_t j = state->candidate[k];
+        if (j < state->tables->inputs && may_be_suspected(state, j))
+            break;
+    }
+    return k;
+}
+
 /*
- * End the test of a suspected electrode that is not faulty, or whose test gave no result.
+ * End the test of a suspected electrode that is not faulty, or whose test gave no result. If there
+ * is another candidate, its test follows.
  *   is_healthy in  whether the test has shown that both electrodes under test respond
  */
 static void clear_suspect(pzs_pulse_detector_state *state, bool is_healthy)
@@ -1075,7 +1239,13 @@ static void clear_suspect(pzs_pulse_detector_state *state, bool is_healthy)
     for (uint32_t k = 0; k < PZS_PULSE_CANDIDATES && is_healthy; k++)
         if (state->candidate[k] == reference)
             clear_electrode(state, reference);
+    const uint32_t next = next_candidate(state);
+    const uint32_t candidate = next < PZS_PULSE_CANDIDATES ? state->candidate[next] : NO_INPUT;
     end_proof(state);
+    if (candidate == NO_INPUT)
+        return;
+    state->candidate[next] = (uint16_t)candidate;
+    begin_suspicion(state, candidate, false);
 }
 
 /*
@@ -1118,6 +1288,7 @@ static void choose_reference(pzs_pulse_detector *detector)
         return;
     }
     compare_shapes(state, REFERENCE, state->reference);
+    leave_vibration_out(state);
     detector->info.tests = (uint16_t)(detector->info.tests + (before == NO_INPUT ? 1u : 0u));
     begin_pulses(state);
 }
@@ -1307,20 +1478,24 @@ static void repeat_disturbed(pzs_pulse_detector_state *state)
 }
 
 /*
- * Make one tick of the measurement of a test pulse: compute the gains of both electrodes under test
- * (measured divided by modelled response), or search for disturbances. Returns whether the
- * measurement has ended.
+ * Make one tick of the measurement of a test pulse: predict the response to the other electrodes,
+ * compute the gains of both electrodes under test (measured divided by modelled response), or
+ * search for disturbances. Returns whether the measurement has ended.
  */
 static bool has_measured(pzs_pulse_detector_state *state)
 {
     const uint32_t tick = state->position++;
     if (tick == 0) {
         memset(&state->response, 0, sizeof state->response);
+        pzs_pulse_predict(state);
+        return false;
+    }
+    if (tick == 1) {
         if (has_enough(state))
             pzs_pulse_measure(state);
         return false;
     }
-    if (tick > 1 || !state->response.is_measured)
+    if (tick > 2 || !state->response.is_measured)
         return true;
     pzs_pulse_find_jumps(state);
     pzs_pulse_course_errors(state);
@@ -1374,6 +1549,42 @@ static void update_states(pzs_pulse_detector_state *state)
 }
 
 /*
+ * Whether the target has stood still for so long that a test pulse may begin: as long as a pause
+ * lasts.
+ */
+static bool has_rested(const pzs_pulse_detector_state *state)
+{
+    return state->still >= half_ticks(state) + state->tables->delay + 1u;
+}
+
+/*
+ * Whether the pause before the test pulses of a suspected electrode may end early, because the
+ * target stood still for a part of the pause before the electrode was suspected.
+ */
+static bool is_pause_over(const pzs_pulse_detector_state *state)
+{
+    const bool is_pause = state->phase == WAITING && state->suspect != NO_INPUT;
+    return is_pause && has_rested(state) && state->still > state->position + gap_ticks(state);
+}
+
+/*
+ * Keep the electrode that was suspected before the last comparison, if any, among the candidates
+ * for a test: as the last one, unless it is one of them.
+ */
+static void keep_candidate(pzs_pulse_detector_state *state, uint32_t before)
+{
+    uint32_t k = 0;
+    while (k + 1u < PZS_PULSE_CANDIDATES && state->candidate[k] < state->tables->inputs &&
+           state->candidate[k] != before)
+        k++;
+    if (before == NO_INPUT)
+        return;
+    const loss_sums sums = sum_losses(state);
+    state->candidate[k] = (uint16_t)before;
+    store_losses(state, &sums);
+}
+
+/*
  * Choose electrodes to be tested, after the means of a window have been compared with earlier ones.
  * If an electrode is already suspected, the window let vibration decay after a motion of the
  * target: if no electrode is suspected now, the earlier suspicion stands, and the test pulses
@@ -1387,13 +1598,12 @@ static void end_comparison(pzs_pulse_detector_state *state)
     const uint32_t before = state->suspect;
     const uint32_t suspect = find_suspects(state, least * state->share_factor);
     if (suspect != NO_INPUT) {
-        begin_suspicion(state, suspect, before == NO_INPUT && (was_moving || has_moved_now));
+        keep_candidate(state, before);
+        begin_suspicion(state, suspect, before == NO_INPUT && !has_rested(state));
         return;
     }
     if (before != NO_INPUT) {
-        const loss_sums sums = sum_losses(state);
-        state->candidate[0] = (uint16_t)before;
-        store_losses(state, &sums);
+        keep_candidate(state, before);
         begin_suspicion(state, before, false);
         return;
     }
@@ -1401,8 +1611,10 @@ static void end_comparison(pzs_pulse_detector_state *state)
     // damaged memory has made infinite or NaN.
     if (!was_moving && (has_moved(state) || !number_is_finite(state->rest)))
         set_base(state);
-    begin(state, WAITING);
-    state->is_moving = has_moved_now;
+    if (!was_moving)
+        memcpy(state->still_voltage, state->first_voltage,
+               state->tables->inputs * sizeof *state->still_voltage);
+    begin_half(state, has_moved_now);
 }
 
 /*
@@ -1414,22 +1626,29 @@ static void compare(pzs_pulse_detector_state *state)
     switch (state->position++) {
     case 0: compare_means(state); break;
     case 1: state->rest = find_losses(state); break;
-    default: end_comparison(state);
+    default: end_comparison(state); /* tick COMPARING_TICKS - 1 */
     }
 }
 
 /*
- * At the end of a window, compute the mean readings. The following ticks compare them with those of
- * an earlier interval in which the target stood still, if there is one. If an electrode is already
- * suspected and nothing can be compared, its test pulses begin.
+ * At the end of the second half of a window, or of a pause, compute the mean readings. The
+ * following ticks compare them with those of an earlier interval in which the target stood still,
+ * if there is one. If an electrode is already suspected and nothing can be compared, its test
+ * pulses begin.
  */
 static void end_window(pzs_pulse_detector_state *state)
 {
-    const bool is_moving = state->is_moving, has_suspect = state->suspect != NO_INPUT;
-    const bool is_usable = has_enough(state);
+    const bool has_suspect = state->suspect != NO_INPUT, has_moved_now = state->is_moving;
+    const bool is_moving = has_moved_now || (!has_suspect && state->half_moved);
+    const bool is_usable = has_enough(state), is_first = !has_suspect && !state->has_half;
     if (has_suspect &&
         (is_held(state->control, state->suspect) || is_held(state->control, state->reference))) {
         end_proof(state);
+        return;
+    }
+    state->half_moved = has_moved_now;
+    if (is_first) {
+        begin_half(state, false);
         return;
     }
     if (is_usable) {
@@ -1444,7 +1663,7 @@ static void end_window(pzs_pulse_detector_state *state)
     }
     if (is_usable && !has_suspect && !is_moving)
         set_base(state);
-    begin(state, WAITING);
+    begin_half(state, false);
     if (has_suspect)
         begin_suspicion(state, state->suspect, false);
 }
@@ -1465,6 +1684,10 @@ static uint32_t run_phase(pzs_pulse_detector *detector, const pzs_real *voltage)
         return judge(detector);
     if (state->phase == COMPARING) {
         compare(state);
+        return NO_INPUT;
+    }
+    if (is_pause_over(state)) {
+        begin_suspicion(state, state->suspect, false);
         return NO_INPUT;
     }
     const bool has_ended = measure(state, voltage);
@@ -1514,6 +1737,25 @@ static void find_resolutions(pzs_pulse_detector_state *state)
         trace += state->resolution[j];
     }
     state->share_factor = trace < MANY_READINGS ? (2 + MANY_READINGS / trace) / 3 : 1;
+}
+
+/*
+ * Compute which part of the modelled response of each electrode has the shape of the first
+ * vibration mode and is left out when readings are compared with the model during test pulses.
+ */
+static void find_vibrating(pzs_pulse_detector_state *state)
+{
+    const pzs_selftest_tables *tables = state->tables;
+    for (uint32_t i = 0; i < tables->sensors; i++)
+        state->mode_square += square(tables->scale[i] * mode_reading(state, i));
+    state->mode_square *= 1 + PZS_PULSE_MODE_WEIGHT;
+    for (uint32_t j = 0; j < tables->inputs && state->mode_square > 0; j++) {
+        pzs_real both = 0;
+        for (uint32_t i = 0; i < tables->sensors; i++)
+            both += square(tables->scale[i]) * mode_reading(state, i) *
+                    state->direct[(size_t)i * tables->inputs + j];
+        state->vibrating[j] = both / state->mode_square;
+    }
 }
 
 /*
@@ -1619,6 +1861,7 @@ static pzs_status block_init(void *self, const void *tables, pzs_loop_signals *s
     clear_candidates(&detector->state);
     place(detector, signals);
     detector->info.where = -1;
+    find_vibrating(&detector->state);
     if (!factor_matrix(&detector->state))
         return PZS_E_NONFINITE;
     find_unobservable(detector);
@@ -1637,6 +1880,7 @@ static pzs_status block_tick(void *self, pzs_loop_signals *signals)
     if (has_moved && state->suspect != NO_INPUT)
         interrupt(state);
     state->is_moving = state->is_moving || has_moved;
+    state->still = has_moved ? 0 : state->still + (state->still < UINT32_MAX);
     if (is_overridden(state))
         end_proof(state);
     const uint32_t found = run_phase(detector, acting_voltages(state, signals));

@@ -22,9 +22,10 @@
 #define EXPECTED PZS_R(0.05)
 /*
  * Columns of the least-squares fit of the readings during a test pulse: modelled responses to the
- * suspected electrode (SUSPECT), to a healthy electrode (REFERENCE), and to all other electrodes.
+ * suspected electrode (SUSPECT) and to a healthy electrode (REFERENCE), readings of a vibration of
+ * the first mode (MODE), and modelled response to all other electrodes (OTHERS).
  */
-enum { OTHERS = PZS_PULSE_OTHERS, COLUMNS = PZS_PULSE_COLUMNS };
+enum { MODE = PZS_PULSE_MODE, OTHERS = PZS_PULSE_OTHERS, COLUMNS = PZS_PULSE_COLUMNS };
 
 static pzs_real square(pzs_real number)
 {
@@ -33,8 +34,9 @@ static pzs_real square(pzs_real number)
 
 /*
  * Set column[COLUMNS] to the responses of sensor i that the model predicts, times the scale of the
- * sensor (dimensionless): to the test pulse of the suspected electrode, to that of the reference
- * electrode (a healthy one), and to the voltages of all others.
+ * sensor: to the test pulse of the suspected electrode, to that of the reference electrode (a
+ * healthy one) and to the voltages of all others (dimensionless), and to a vibration of the first
+ * mode (1/m).
  */
 static void model_responses(const pzs_pulse_detector_state *state, uint32_t i,
                             pzs_real column[COLUMNS])
@@ -43,23 +45,37 @@ static void model_responses(const pzs_pulse_detector_state *state, uint32_t i,
     const pzs_real *row = state->direct + (size_t)i * state->tables->inputs;
     column[SUSPECT] = scale * row[state->suspect] * state->voltage[state->suspect];
     column[REFERENCE] = scale * row[state->reference] * state->voltage[state->reference];
+    column[MODE] = scale * mode_reading(state, i);
     column[OTHERS] = scale * state->difference[i];
 }
 
 /*
- * Compute the scalar products, over the sensors, of the measured and of three modelled responses
- * during a test pulse: to the suspected electrode, to the reference electrode, and to all others,
- * whose voltages the controller goes on to change.
+ * Add two equations to the least-squares fit of a test pulse, which make it unique where the
+ * columns are not independent:
+ *   - The electrodes without a pulse have the gain 1 (measured divided by modelled response).
+ *   - There is no vibration of the first mode. If its readings are not known (mode_reading), this
+ *     is the only equation for the vibration.
  */
-static pzs_pulse_fit compare_pulse(pzs_pulse_detector_state *state)
+static void add_equations(pzs_pulse_fit *fit)
+{
+    fit->matrix[OTHERS][OTHERS] += EXPECTED * fit->own;
+    fit->response[OTHERS] += EXPECTED * fit->own;
+    fit->energy += EXPECTED * fit->own;
+    fit->matrix[MODE][MODE] *= 1 + PZS_PULSE_MODE_WEIGHT;
+    if (!(fit->matrix[MODE][MODE] > 0))
+        fit->matrix[MODE][MODE] = 1;
+}
+
+/*
+ * Compute the scalar products, over the sensors, of the measured response to a test pulse with the
+ * columns of its least-squares fit: modelled responses to the suspected electrode, to the reference
+ * electrode, and to all others, whose voltages the controller goes on to change, and a vibration of
+ * the first mode.
+ */
+static pzs_pulse_fit compare_pulse(const pzs_pulse_detector_state *state)
 {
     const pzs_selftest_tables *tables = state->tables;
     pzs_pulse_fit fit = {{{0}}, {0}, 0, 0};
-    memcpy(state->move, state->voltage, tables->inputs * sizeof *state->move);
-    state->move[state->suspect] = 0;
-    state->move[state->reference] = 0;
-    pzs_product_matrix(state->difference, state->direct, state->move, tables->sensors,
-                       tables->inputs);
     for (uint32_t i = 0; i < tables->sensors; i++) {
         pzs_real column[COLUMNS];
         model_responses(state, i, column);
@@ -73,12 +89,7 @@ static pzs_pulse_fit compare_pulse(pzs_pulse_detector_state *state)
         fit.energy += square(measured);
     }
     fit.own = fit.matrix[SUSPECT][SUSPECT];
-    // Add the equation that the electrodes without a pulse have the gain 1 (measured divided by
-    // modelled response). It makes the fit unique where their modelled response is a combination of
-    // those to the two electrodes with a pulse.
-    fit.matrix[OTHERS][OTHERS] += EXPECTED * fit.own;
-    fit.response[OTHERS] += EXPECTED * fit.own;
-    fit.energy += EXPECTED * fit.own;
+    add_equations(&fit);
     return fit;
 }
 
@@ -97,16 +108,16 @@ static bool factor_fit(pzs_pulse_fit *fit)
             fit->matrix[k][j] /= fit->matrix[j][j];
             fit->matrix[k][k] -= square(fit->matrix[k][j]) * fit->matrix[j][j];
         }
-        if (!(fit->matrix[k][k] > (k < OTHERS ? PZS_PULSE_DEPENDENT * diagonal : 0)))
+        if (!(fit->matrix[k][k] > (k < MODE ? PZS_PULSE_DEPENDENT * diagonal : 0)))
             return false;
     }
     return true;
 }
 
 /*
- * Solve for the gains (measured divided by modelled response) of the first `count` modelled
- * responses in the least-squares fit of a test pulse.
- *   response [count] in/out  scalar products of the measured with the modelled responses; gains
+ * Solve for the factors of the first `count` columns in the least-squares fit of a test pulse:
+ * gains (measured divided by modelled response), and the vibration of the first mode.
+ *   response [count] in/out  scalar products of the measured response with the columns; factors
  */
 static void solve_fit(const pzs_pulse_fit *fit, pzs_real *response, uint32_t count)
 {
@@ -124,13 +135,12 @@ void pzs_pulse_find_jumps(pzs_pulse_detector_state *state)
 {
     const pzs_selftest_tables *tables = state->tables;
     const pzs_pulse_fit *fit = &state->fit;
-    pzs_real *jumped = state->response.jumped;
+    pzs_real jumped[OTHERS] = {0};
     for (uint32_t j = 0; j < tables->inputs; j++)
         state->move[j] = fit->response[OTHERS] * state->late_voltage[j];
     for (uint32_t k = 0; k < 2; k++) {
         const uint32_t j = tested_input(state, k);
         state->move[j] = fit->response[k] * state->late_voltage[j];
-        jumped[k] = 0;
     }
     pzs_product_matrix(state->difference, state->direct, state->move, tables->sensors,
                        tables->inputs);
@@ -138,10 +148,21 @@ void pzs_pulse_find_jumps(pzs_pulse_detector_state *state)
         pzs_real column[COLUMNS];
         model_responses(state, i, column);
         const pzs_real jump = tables->scale[i] * (state->late_reading[i] - state->difference[i]);
-        for (uint32_t k = 0; k < 2; k++)
+        for (uint32_t k = 0; k < OTHERS; k++)
             jumped[k] += column[k] * jump;
     }
-    solve_fit(fit, jumped, 2);
+    solve_fit(fit, jumped, OTHERS);
+    memcpy(state->response.jumped, jumped, sizeof state->response.jumped);
+}
+
+void pzs_pulse_predict(pzs_pulse_detector_state *state)
+{
+    const pzs_selftest_tables *tables = state->tables;
+    memcpy(state->move, state->voltage, tables->inputs * sizeof *state->move);
+    state->move[state->suspect] = 0;
+    state->move[state->reference] = 0;
+    pzs_product_matrix(state->difference, state->direct, state->move, tables->sensors,
+                       tables->inputs);
 }
 
 void pzs_pulse_measure(pzs_pulse_detector_state *state)

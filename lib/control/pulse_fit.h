@@ -18,12 +18,25 @@
 #define PZS_PULSE_DEPENDENT PZS_R(0.05)
 
 /*
+ * Vibration of the first mode that the last motion of the target has left would look like a
+ * response to a test pulse. As the readings of such a vibration have a known shape, the evaluation
+ * of a pulse leaves out the part of the readings in this shape, except for the fraction
+ * MODE_WEIGHT / (1 + MODE_WEIGHT), so that an electrode that moves the structure in nearly this
+ * shape remains observable. MODE_WEIGHT is the weight of the equation that there is no vibration in
+ * the least-squares fit of the readings, relative to the squared readings of the vibration.
+ */
+#define PZS_PULSE_MODE_WEIGHT PZS_R(0.01)
+
+/*
  * Numbers of the two electrodes under test: the one suspected of a fault, and the reference
  * electrode, a healthy one with which it is compared.
  */
 enum { SUSPECT = 0, REFERENCE };
-/* Number of the modelled response to all electrodes that are not under test. */
-enum { PZS_PULSE_OTHERS = 2 };
+/*
+ * Further columns of the least-squares fit: readings of a vibration of the first mode, and modelled
+ * response to all electrodes that are not under test.
+ */
+enum { PZS_PULSE_MODE = 2, PZS_PULSE_OTHERS };
 
 /*
  * Return the input of an electrode under test: SUSPECT is the electrode suspected of a fault,
@@ -33,6 +46,21 @@ static inline uint32_t tested_input(const pzs_pulse_detector_state *state, uint3
 {
     return number == SUSPECT ? state->suspect : state->reference;
 }
+
+/*
+ * Return the reading of sensor i per coordinate of the first vibration mode (unit of the sensor per
+ * m), 0 if it is not known.
+ */
+static inline pzs_real mode_reading(const pzs_pulse_detector_state *state, uint32_t i)
+{
+    return state->mode != NULL ? state->mode[i * state->mode_step] : 0;
+}
+
+/*
+ * At the end of a test pulse, compute the modelled response to all electrodes that are not under
+ * test (state->difference), which pzs_pulse_measure uses.
+ */
+void pzs_pulse_predict(pzs_pulse_detector_state *state);
 
 /*
  * Compute the gains (measured divided by modelled response) of the electrode suspected of a fault

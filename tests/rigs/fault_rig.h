@@ -8,15 +8,9 @@
 #ifndef FAULT_RIG_H
 #define FAULT_RIG_H
 
-#include <stdint.h>
-#include "../../host_tools/model/estimator.h"
-#include "../../host_tools/model/modal.h"
-#include "../../host_tools/model/wiring_test.h"
-#include "../../host_tools/simulate/inertia.h"
-#include "../../host_tools/tables/loop_blocks.h"
-#include "scene_run.h"
+#include "damped_plant.h"
 
-enum { FAULT_RIG_PLAYS = 4, FAULT_RIG_INPUTS = 80, FAULT_RIG_OUTPUTS = 512 };
+enum { FAULT_RIG_INPUTS = 80 };
 
 /* A structure and its sensors. */
 typedef struct fault_structure {
@@ -28,37 +22,16 @@ typedef struct fault_structure {
                              node is measured */
 } fault_structure;
 
-/* A damped loop with a fault detector, around a structure. */
 typedef struct fault_rig {
-    scene_run run;
-    estimator estimator;
-    damper damper;
-    wiring_test pulses;
-    loop_blocks blocks;
-    vibration vibration;
-    modal modal;
-    inertia inertia;
-    pzs_loop loop;
-    void *work;
-    size_t bytes; /* memory of the loop */
-    size_t inputs, outputs;
-    size_t sensors;
-    size_t sensor_row[FAULT_RIG_OUTPUTS]; /* [sensors] output that each sensor measures */
-    double noise, missed;    /* RMS noise of a reading (m), and chance that a tick is missed */
-    double gain, hysteresis; /* static response relative to the model; width of the hysteresis loop
-                                relative to the voltage range */
-    double *memory;          /* one allocation that holds the arrays from `acting` on */
-    double *acting;          /* [inputs] voltages that act on the ceramic (V) */
-    double *load; /* [inputs] constant load, as the voltages that would move the structure as far
-                     (V) */
-    double *sum;  /* [inputs] sums of the voltages that act and of the load (V) */
-    double *play; /* [inputs][FAULT_RIG_PLAYS] plays of the hysteresis (V) */
-    double *readings; /* [sensors] readings (m) */
-    double *wanted;   /* [outputs] target shape (m) */
+    damped_plant plant;
+    double noise, missed; /* RMS noise of a reading (m), and chance that a tick is missed */
+    double *load;         /* [inputs] constant load, as the voltages that would move the structure
+                             as far (V) */
+    double *sum;          /* [all inputs of the structure] sums of the voltages that act and of the
+                             load (V) */
+    double *readings;     /* [sensors] readings (m) */
     pzs_electrode_fault fault[FAULT_RIG_INPUTS];
-    uint64_t random;
-    int next_jump, every, tick; /* tick of the next target; mean number of ticks between targets;
-                                   present tick */
+    int next_jump, every; /* tick of the next target; mean number of ticks between targets */
 } fault_rig;
 
 /*
@@ -91,17 +64,11 @@ pzs_status fault_rig_tick(fault_rig *rig);
  */
 void fault_rig_run(fault_rig *rig, int ticks, int every);
 
-/* Return a random number between low and high. */
-double fault_rig_uniform(fault_rig *rig, double low, double high);
-
 /* Return the fault detector of the loop. */
 const pzs_pulse_detector *fault_rig_detector(const fault_rig *rig);
 
 /* Whether the fault detector holds electrode j as faulty. */
 bool fault_rig_is_held(const fault_rig *rig, size_t j);
-
-/* Whether the supervisor has taken control away. */
-bool fault_rig_is_stopped(const fault_rig *rig);
 
 /* Release all electrodes that the fault detector holds. */
 void fault_rig_release(fault_rig *rig);

@@ -16,7 +16,7 @@
 
 enum { INPUTS = 4, SENSORS = 12, PULSE = 64, DELAY = 2 };
 /* Ticks from the end of a pulse until it is evaluated: late readings, and the evaluation. */
-enum { EVALUATION = DELAY + 1 + 3 };
+enum { EVALUATION = DELAY + 1 + 4 };
 /* Ticks from the end of a window until its means are compared and an electrode is suspected. */
 enum { COMPARISON = 4 };
 /* Duration of two windows in which readings are averaged and of two pulses, with their delays. */
@@ -194,6 +194,26 @@ static void test_named(void **state)
         assert_int_equal(detector_of(&s)->info.fault[j] == PZS_FAULT_REVERSED,
                          fault == PZS_FAULT_REVERSED);
         assert_int_equal(pzs_release(s.loop.info.control, (uint16_t)j), PZS_OK);
+    }
+}
+
+/*
+ * Law: if an electrode dies when the target moves, a suspicion arises within PZS_SUSPICION_TICKS,
+ * whenever this happens between two comparisons of readings.
+ */
+static void test_suspicion_time(void **state)
+{
+    static strip s;
+    (void)state;
+    for (int k = 0; k < 2 * PULSE; k++) {
+        const size_t j = (size_t)k % INPUTS;
+        open_strip(&s);
+        rest(&s);
+        (void)run_ticks(&s, k);
+        s.fault[j] = PZS_FAULT_DEAD;
+        move_target(&s);
+        (void)run_ticks(&s, (int)PZS_SUSPICION_TICKS(PULSE, DELAY));
+        assert_in_range(detector_of(&s)->state.suspect, 0, INPUTS - 1);
     }
 }
 
@@ -566,13 +586,13 @@ static void test_bad_tables(void **state)
 int main(void)
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_named),          cmocka_unit_test(test_healthy),
-        cmocka_unit_test(test_interruption),   cmocka_unit_test(test_program),
-        cmocka_unit_test(test_missing),        cmocka_unit_test(test_load_jumps),
-        cmocka_unit_test(test_one_pulse),      cmocka_unit_test(test_covering_load),
-        cmocka_unit_test(test_returning_load), cmocka_unit_test(test_faulty_partner),
-        cmocka_unit_test(test_start),          cmocka_unit_test(test_bad_tables),
-        cmocka_unit_test(test_few_sensors),
+        cmocka_unit_test(test_named),          cmocka_unit_test(test_suspicion_time),
+        cmocka_unit_test(test_healthy),        cmocka_unit_test(test_interruption),
+        cmocka_unit_test(test_program),        cmocka_unit_test(test_missing),
+        cmocka_unit_test(test_load_jumps),     cmocka_unit_test(test_one_pulse),
+        cmocka_unit_test(test_covering_load),  cmocka_unit_test(test_returning_load),
+        cmocka_unit_test(test_faulty_partner), cmocka_unit_test(test_start),
+        cmocka_unit_test(test_bad_tables),     cmocka_unit_test(test_few_sensors),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }
