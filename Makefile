@@ -391,6 +391,8 @@ check-long: setup-test
 	    -lcmocka $(HOST_LIBS) -o $(B)/long-quads && $(B)/long-quads
 	FMU_FLAGS='$(SANITIZE)' FMU_PRELOAD="$$(gcc -print-file-name=libasan.so)" B=$(B) sh tests/cli/fmu.sh
 	sh tests/target/bound.sh full
+	@$(MAKE) --no-print-directory -s $(B)/bench/laws
+	B=$(B) sh tests/bench/laws.sh --check
 	$(B)/test/sweep-64 full
 	$(B)/test/storms-64 full
 	@$(MAKE) --no-print-directory -s $(B)/test/storms-32

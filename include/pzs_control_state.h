@@ -392,6 +392,11 @@ typedef struct pzs_control_state {
                                 largest weighted norm of a column of the influence matrix (m/V) */
     bool is_paused; /* true while a fault detector measures the response to a test pulse: the ticks
                        of the loop then damp vibration, but do not follow target and loads */
+    /*
+     * true after a tick in which the supervisor, not the control step, determined the voltages
+     * (ramps and polarity tests): a fault detector then ends its tests. The detector clears it
+     */
+    bool is_taken_over;
     bool is_stuck;  /* true while the supervisor finds all readings stuck: a vibration damper then
                        ignores them until one of them changes */
     bool has_step_limits; /* whether a step limit (largest change of a voltage in a tick) is shorter
@@ -995,6 +1000,12 @@ typedef struct pzs_stuck_state {
                        differed from `reference` by more than repeated readings allow */
 } pzs_stuck_state;
 
+/* Counter with its bitwise complement, by which a flipped bit of either is noticed. */
+typedef struct pzs_checked_count {
+    uint32_t value;
+    uint32_t complement;
+} pzs_checked_count;
+
 /*
  * State of the polarity test, with which the supervisor of the loop finds out whether a shape that
  * is opposite to the prediction is the effect of amplifiers of the wrong polarity or of a load.
@@ -1010,10 +1021,10 @@ typedef struct pzs_polarity_test_state {
     pzs_real square; /* square of the norm of the predicted shape at the start of the test (m2) */
     pzs_real tolerated; /* amplitude of vibration (m) that is tolerated besides the threshold,
                            because the last test has excited it; decays with time */
-    uint32_t turn;      /* counter of ticks, which tells in which of them shapes are compared */
-    uint32_t opposed;   /* counter of ticks in which the shape is opposite to the prediction; others
-                           lower it by two */
-    uint32_t rest;      /* number of ticks until the next test may begin */
+    uint32_t turn; /* counter of ticks, which tells in which of them shapes are compared */
+    pzs_checked_count opposed; /* counter of ticks in which the shape is opposite to the prediction;
+                                  others lower it by two */
+    pzs_checked_count rest;    /* number of ticks until the next test may begin */
     uint32_t confirmed; /* number of successive ramps with the same answer as the ramp before */
     uint32_t tests;     /* number of tests in which the structure answered as predicted */
 } pzs_polarity_test_state;

@@ -740,6 +740,23 @@ static pzs_status block_init(void *self, const void *tables, pzs_loop_signals *s
     return status;
 }
 
+/*
+ * End all running tests without a result if the supervisor has determined the voltages of the last
+ * tick, because the test voltages were then not given.
+ *   control in/out  its flag is_taken_over is cleared
+ * Returns whether the supervisor has determined the voltages.
+ */
+static bool end_overruled_tests(pzs_fault_detector *detector, pzs_control *control)
+{
+    guard_repair_bool(&control->state.is_taken_over);
+    const bool was_taken_over = control->state.is_taken_over;
+    control->state.is_taken_over = false;
+    for (uint32_t k = 0; k < PZS_TEST_SIGNALS && was_taken_over; k++)
+        if (detector->state.test[k].input != NO_INPUT)
+            end_test(detector, &detector->state.test[k]);
+    return was_taken_over;
+}
+
 static pzs_status block_tick(void *self, pzs_loop_signals *signals)
 {
     pzs_fault_detector *detector = self;
@@ -748,7 +765,9 @@ static pzs_status block_tick(void *self, pzs_loop_signals *signals)
     detector->state.stage = READY;
     for (uint32_t i = 0; i < signals->missed && i < detection->delay; i++)
         store_voltages(detector, signals->given);
-    const pzs_status status = pzs_fault_detector_tick(detector, signals->measured);
+    const bool is_overruled = end_overruled_tests(detector, signals->control);
+    const pzs_status status =
+        pzs_fault_detector_tick(detector, is_overruled ? NULL : signals->measured);
     signals->electrode = detector->info.electrode;
     signals->where = detector->info.where;
     return status;

@@ -101,6 +101,7 @@ void pzs_monitor_init(pzs_monitor_state *monitor, pzs_real *memory, uint32_t out
 {
     memset(monitor, 0, sizeof *monitor);
     memset(memory, 0, 5u * (size_t)outputs * sizeof *memory);
+    pzs_polarity_test_forget(&monitor->test);
     pzs_monitor_place(monitor, memory, outputs);
 }
 

@@ -30,6 +30,7 @@
  */
 #include <string.h>
 #include "polarity_test.h"
+#include "../core/numbers.h"
 #include "../core/product.h"
 
 /* One tick in POLARITY_STRIDE compares the measured with the predicted shape. */
@@ -75,6 +76,8 @@
  */
 #define REST_PERIODS 64u
 #define MOST_DOUBLED 4u
+/* The time without a test is at least this multiple of the duration of the test before it. */
+#define REST_TESTS 8u
 /*
  * The vibration of a healthy structure at the end of a test is tolerated VIBRATION_MARGIN times,
  * and falls by e in FADING_PERIODS periods, as with a damping ratio of 0.25 %: voltages at their
@@ -96,10 +99,29 @@ static pzs_real least_shape(const pzs_supervision *tables)
     return load > tables->slack ? load : tables->slack;
 }
 
-/* Return the number of ticks until the next test of a healthy structure. */
-static uint32_t rest_of(const pzs_supervision *tables, uint32_t tests)
+/*
+ * Return the number of ticks until the next test of a healthy structure.
+ *   tests  in  number of tests before this one
+ *   lasted in  duration of this one (ticks)
+ */
+static uint32_t rest_of(const pzs_supervision *tables, uint32_t tests, uint32_t lasted)
 {
-    return (REST_PERIODS * tables->polarity_ticks) << (tests < MOST_DOUBLED ? tests : MOST_DOUBLED);
+    const uint32_t rest = (REST_PERIODS * tables->polarity_ticks)
+                          << (tests < MOST_DOUBLED ? tests : MOST_DOUBLED);
+    const uint32_t least = lasted < UINT32_MAX / REST_TESTS ? REST_TESTS * lasted : UINT32_MAX;
+    return rest > least ? rest : least;
+}
+
+static void set_count(pzs_checked_count *count, uint32_t value)
+{
+    count->value = value;
+    count->complement = ~value;
+}
+
+/* Return a counter, or `damaged` if memory was damaged. */
+static uint32_t count_of(pzs_checked_count count, uint32_t damaged)
+{
+    return count.complement == ~count.value ? count.value : damaged;
 }
 
 /* Return a counter that has been raised or lowered, in one of POLARITY_STRIDE ticks. */
@@ -113,12 +135,27 @@ static uint32_t counted(uint32_t opposed, bool is_opposed, uint32_t most)
 
 /*
  * Return the tolerated amplitude of vibration after POLARITY_STRIDE ticks: it falls by e in
- * FADING_PERIODS periods, and is at most `most`.
+ * FADING_PERIODS periods, and is at least 0 and at most `most`.
  */
 static pzs_real faded(pzs_real tolerated, pzs_real most, const pzs_supervision *tables)
 {
     const pzs_real ticks = FADING_PERIODS * (pzs_real)tables->polarity_ticks + POLARITY_STRIDE;
-    return (tolerated < most ? tolerated : most) * (1 - POLARITY_STRIDE / ticks);
+    return number_clamp(tolerated, 0, most) * (1 - POLARITY_STRIDE / ticks);
+}
+
+/*
+ * Return the scalar product of a shape [count] with measurements [count] (m2), without those that
+ * are missing (NaN).
+ */
+static pzs_real known_product(const pzs_real *shape, const pzs_real *measured, uint32_t count)
+{
+    pzs_real sum = pzs_product_dot(shape, measured, count);
+    if (number_is_finite(sum))
+        return sum;
+    sum = 0;
+    for (uint32_t i = 0; i < count; i++)
+        sum += number_is_finite(measured[i]) ? shape[i] * measured[i] : 0;
+    return sum;
 }
 
 void pzs_polarity_test_compare(pzs_polarity_test_state *test, const pzs_supervision *tables,
@@ -126,14 +163,12 @@ void pzs_polarity_test_compare(pzs_polarity_test_state *test, const pzs_supervis
                                uint32_t outputs)
 {
     const pzs_real least = least_shape(tables);
-    const pzs_real product = pzs_product_dot(predicted, measured, outputs);
-    const uint32_t longest = rest_of(tables, MOST_DOUBLED);
-    test->opposed = counted(test->opposed, product < -(pzs_real)outputs * least * least,
-                            MOST_PERIODS * tables->polarity_ticks);
-    // A flipped bit must not put the next test off for ever.
-    if (test->rest > longest)
-        test->rest = longest;
-    test->rest -= test->rest > POLARITY_STRIDE ? POLARITY_STRIDE : test->rest;
+    const pzs_real product = known_product(predicted, measured, outputs);
+    const uint32_t opposed = count_of(test->opposed, 0);
+    const uint32_t rest = count_of(test->rest, REST_PERIODS * tables->polarity_ticks);
+    set_count(&test->opposed, counted(opposed, product < -(pzs_real)outputs * least * least,
+                                      MOST_PERIODS * tables->polarity_ticks));
+    set_count(&test->rest, rest > POLARITY_STRIDE ? rest - POLARITY_STRIDE : 0);
     test->tolerated = faded(test->tolerated, least, tables);
 }
 
@@ -141,7 +176,8 @@ bool pzs_polarity_test_is_due(const pzs_polarity_test_state *test, const pzs_sup
                               bool is_counting)
 {
     const uint32_t periods = is_counting ? LATEST_PERIODS : SUSPECT_PERIODS;
-    return test->rest == 0 && test->opposed > periods * tables->polarity_ticks;
+    return count_of(test->rest, 1) == 0 &&
+           count_of(test->opposed, 0) > periods * tables->polarity_ticks;
 }
 
 void pzs_polarity_test_begin(pzs_polarity_test_state *test, pzs_real *direction,
@@ -167,22 +203,25 @@ void pzs_polarity_test_average(pzs_polarity_test_state *test, const polarity_tes
         test->now[0] = pzs_product_dot(shapes->direction, shapes->predicted, shapes->count);
         test->now[1] = 0;
     } else if (tick > shapes->delay) {
-        test->now[1] += pzs_product_dot(shapes->direction, shapes->measured, shapes->count);
+        test->now[1] += known_product(shapes->direction, shapes->measured, shapes->count);
     }
 }
 
 /*
- * End the averages of a pause. Returns the answer to the ramp before it: the motion of the
- * structure over the predicted one; 0 if the prediction has hardly moved.
+ * End the averages of a pause.
+ *   has_moved out  whether the ramp before the pause has moved the prediction
+ * Returns the answer to this ramp: the motion of the structure over the predicted one; 0 if the
+ * prediction has hardly moved, or no measurement tells.
  */
-static pzs_real take_answer(pzs_polarity_test_state *test, const pzs_supervision *tables)
+static pzs_real take_answer(pzs_polarity_test_state *test, const pzs_supervision *tables,
+                            bool *has_moved)
 {
     const pzs_real mean = test->now[1] / (pzs_real)tables->polarity_ticks;
     const pzs_real predicted = test->now[0] - test->before[0], measured = mean - test->before[1];
-    const bool has_moved = PZS_ABS(predicted) > LEAST_WAY * test->square;
+    *has_moved = PZS_ABS(predicted) > LEAST_WAY * test->square;
     test->before[0] = test->now[0];
     test->before[1] = mean;
-    return has_moved ? measured / predicted : 0;
+    return *has_moved && number_is_finite(measured) ? measured / predicted : 0;
 }
 
 /* Whether the answer to a ramp is that of a reversed structure, and the same as the one before. */
@@ -195,22 +234,31 @@ static bool is_confirmed(const pzs_polarity_test_state *test, pzs_real answer)
 polarity_verdict pzs_polarity_test_judge(pzs_polarity_test_state *test,
                                          const pzs_supervision *tables, uint32_t ramps)
 {
-    const pzs_real answer = take_answer(test, tables);
+    bool has_moved;
+    const pzs_real answer = take_answer(test, tables, &has_moved);
     const bool is_repeated = ramps > 2 && is_confirmed(test, answer);
     test->answer = answer;
     test->confirmed = is_repeated ? test->confirmed + 1u : 0;
     if (ramps == 0)
         return POLARITY_UNDECIDED;
-    if (!(answer < LEAST_ANSWER) || ramps >= MOST_RAMPS)
+    // Voltages that are near the park voltages already cannot test anything.
+    if (!has_moved || answer >= LEAST_ANSWER || ramps >= MOST_RAMPS)
         return POLARITY_RIGHT;
     return test->confirmed >= CONFIRMATIONS ? POLARITY_WRONG : POLARITY_UNDECIDED;
 }
 
-void pzs_polarity_test_end(pzs_polarity_test_state *test, const pzs_supervision *tables)
+void pzs_polarity_test_end(pzs_polarity_test_state *test, const pzs_supervision *tables,
+                           uint32_t lasted)
 {
-    test->rest = rest_of(tables, test->tests);
+    set_count(&test->rest, rest_of(tables, test->tests, lasted));
     test->tests++;
-    test->opposed = 0;
+    set_count(&test->opposed, 0);
+}
+
+void pzs_polarity_test_forget(pzs_polarity_test_state *test)
+{
+    set_count(&test->opposed, 0);
+    set_count(&test->rest, count_of(test->rest, 0));
 }
 
 void pzs_polarity_test_tolerate(pzs_polarity_test_state *test, pzs_real deviation)

@@ -74,8 +74,15 @@ typedef enum polarity_verdict {
 polarity_verdict pzs_polarity_test_judge(pzs_polarity_test_state *test,
                                          const pzs_supervision *tables, uint32_t ramps);
 
-/* Let a time pass until the next test, after one in which the structure has answered rightly. */
-void pzs_polarity_test_end(pzs_polarity_test_state *test, const pzs_supervision *tables);
+/*
+ * Let a time pass until the next test, after one in which the structure has answered rightly.
+ *   lasted in  duration of the test (ticks)
+ */
+void pzs_polarity_test_end(pzs_polarity_test_state *test, const pzs_supervision *tables,
+                           uint32_t lasted);
+
+/* Forget how long the shape was opposite to the prediction: at the start, and after a ramp. */
+void pzs_polarity_test_forget(pzs_polarity_test_state *test);
 
 /*
  * Tolerate the vibration at the end of a test.

@@ -133,7 +133,10 @@ static range extend(range old, pzs_real number)
     return (range){least, most};
 }
 
-/* Return the course error of an electrode under test: SUSPECT or REFERENCE. */
+/*
+ * Return the course error of an electrode under test: SUSPECT or REFERENCE. It is infinite where
+ * damaged memory leaves no number to compare.
+ */
 static pzs_real course_error(const pzs_pulse_detector_state *state, uint32_t number)
 {
     const pzs_real gain = state->response.gain[number];
@@ -144,7 +147,8 @@ static pzs_real course_error(const pzs_pulse_detector_state *state, uint32_t num
         if (part >= FIRST)
             rest = extend(rest, shown_in(state, number, part) - gain * pulse);
     }
-    return (rest.most - rest.least) / (given.most - given.least);
+    const bool is_known = rest.most >= rest.least && given.most > given.least;
+    return is_known ? (rest.most - rest.least) / (given.most - given.least) : (pzs_real)INFINITY;
 }
 
 void pzs_pulse_course_errors(pzs_pulse_detector_state *state)

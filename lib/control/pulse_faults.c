@@ -1277,7 +1277,10 @@ static void choose_reference(pzs_pulse_detector *detector)
     const bool is_moving = state->is_moving;
     if (next != NO_INPUT)
         state->reference = (uint16_t)next;
-    if (state->reference == NO_INPUT) {
+    // The program may have called pzs_hold for an electrode during the pause.
+    if (state->reference == NO_INPUT ||
+        (!state->has_taken && (is_held(state->control, state->suspect) ||
+                               is_held(state->control, state->reference)))) {
         end_proof(state);
         return;
     }
@@ -1711,6 +1714,19 @@ static void interrupt(pzs_pulse_detector_state *state)
     begin(state, WAITING);
 }
 
+/*
+ * Whether the supervisor has determined the voltages of the last tick, on a ramp or in a polarity
+ * test. The test voltages were then not given, and the mean voltages are not those of the step.
+ */
+static bool was_taken_over(const pzs_pulse_detector_state *state)
+{
+    bool *flag = &state->control->state.is_taken_over;
+    guard_repair_bool(flag);
+    const bool was = *flag;
+    *flag = false;
+    return was;
+}
+
 /* ---- block of the control loop -------------------------------------------- */
 
 static size_t block_bytes(const void *tables, const pzs_problem *problem)
@@ -1876,7 +1892,7 @@ static pzs_status block_tick(void *self, pzs_loop_signals *signals)
     place(detector, signals);
     take_readings(state, signals->readings);
     state->compensator = signals->compensator;
-    const bool has_moved = has_target_moved(state, signals->wanted);
+    const bool has_moved = has_target_moved(state, signals->wanted) || was_taken_over(state);
     if (has_moved && state->suspect != NO_INPUT)
         interrupt(state);
     state->is_moving = state->is_moving || has_moved;

@@ -115,7 +115,7 @@ static const uint8_t transition[PZS_SUPERVISOR_MODES][PZS_EVENTS] = {
                          STAY, STAY, PZS_MODE_STOPPING, STAY},
     [PZS_MODE_STOPPING] = {STAY, STAY, STAY, STAY, STAY, STAY, STAY, STAY, STAY, PZS_MODE_LATCHED},
     [PZS_MODE_LATCHED] = {STAY, STAY, STAY, STAY, STAY, STAY, STAY, STAY, STAY, STAY},
-    [PZS_MODE_TESTING] = {STAY, PZS_MODE_HOLDING, STAY, PZS_MODE_PARKING, STAY, PZS_MODE_STOPPING,
+    [PZS_MODE_TESTING] = {STAY, STAY, STAY, PZS_MODE_PARKING, STAY, PZS_MODE_STOPPING,
                           PZS_MODE_STOPPING, PZS_MODE_STOPPING, PZS_MODE_STOPPING, STAY}};
 
 pzs_supervisor_mode pzs_supervisor_next(pzs_supervisor_mode mode, pzs_supervisor_event event)
@@ -277,6 +277,8 @@ static void process_event(pzs_supervisor *supervisor, pzs_supervisor_event event
     core->mode = pzs_supervisor_next((pzs_supervisor_mode)before, event);
     if (core->mode == before && !restarts)
         return;
+    if (before == PZS_MODE_TESTING || before == PZS_MODE_ARMED)
+        pzs_polarity_test_forget(&supervisor->state.monitor.test);
     if (before == PZS_MODE_TESTING)
         core->remaining = 0;
     if (core->mode == PZS_MODE_STOPPING) {
@@ -384,7 +386,10 @@ static bool prepare_test(pzs_supervisor *supervisor, const pzs_loop_signals *sig
     return core->test_length > 0;
 }
 
-/* Move a voltage of input i to one of the polarity test, within its limits and step limit (V). */
+/*
+ * Return the voltage of input i in the next tick of a polarity test, within its limits and step
+ * limit (V).
+ */
 static pzs_real limited_step(const pzs_problem *problem, uint32_t i, pzs_real given, pzs_real next)
 {
     const pzs_real step = problem->step_limit[i];
@@ -392,16 +397,20 @@ static pzs_real limited_step(const pzs_problem *problem, uint32_t i, pzs_real gi
 }
 
 /*
- * Move the voltages by one tick of a ramp of the polarity test, or keep them.
+ * Move the voltages by one tick of a ramp of the polarity test, or keep them. Inputs that pzs_hold
+ * or a fault detector keeps at a voltage stay there.
  *   factor in  distance from the park voltages after the tick, divided by that before
  */
 static void move_test(pzs_supervisor *supervisor, const pzs_loop_signals *signals, pzs_real factor)
 {
+    const pzs_control *control = signals->control;
     pzs_real *voltage = signals->control->state.voltage;
     for (uint32_t i = 0; i < supervisor->state.problem->inputs; i++) {
+        const bool is_held = number_is_finite(control->state.held[0][i]);
         const pzs_real park = target_of(supervisor, i), given = signals->given[i];
-        voltage[i] =
-            limited_step(supervisor->state.problem, i, given, park + factor * (given - park));
+        const pzs_real next = park + factor * (given - park);
+        if (!is_held)
+            voltage[i] = limited_step(supervisor->state.problem, i, given, next);
     }
     pzs_control_moved(signals->control);
     effect_predict(signals);
@@ -433,7 +442,9 @@ static void resume_control(pzs_supervisor *supervisor, const pzs_loop_signals *s
 static void pass_test(pzs_supervisor *supervisor, const pzs_loop_signals *signals)
 {
     pzs_supervisor_core *core = &supervisor->state.core[0];
-    pzs_polarity_test_end(&supervisor->state.monitor.test, supervisor->state.tables);
+    const pzs_supervision *tables = supervisor->state.tables;
+    const uint32_t lasted = core->test_ramp * (core->test_length + tables->polarity_ticks);
+    pzs_polarity_test_end(&supervisor->state.monitor.test, tables, lasted);
     if (core->test_ramp % 2u == 0)
         resume_control(supervisor, signals);
     else
@@ -491,10 +502,12 @@ static void run_test_ramp(pzs_supervisor *supervisor, const pzs_loop_signals *si
         resume_control(supervisor, signals);
 }
 
-/* Run one tick of a polarity test. */
+/* Run one tick of a polarity test. The test waits while readings are missing. */
 static void run_test(pzs_supervisor *supervisor, const pzs_loop_signals *signals)
 {
-    if (supervisor->state.core[0].remaining > 0)
+    if (supervisor->state.core[0].silent > 0)
+        move_test(supervisor, signals, 1);
+    else if (supervisor->state.core[0].remaining > 0)
         run_test_ramp(supervisor, signals);
     else
         run_pause(supervisor, signals);
@@ -644,6 +657,7 @@ static pzs_status block_tick(void *self, pzs_loop_signals *signals)
     } else {
         begin_test(supervisor);
     }
+    signals->control->state.is_taken_over = !is_controlled;
     copy_core(supervisor);
     report(supervisor);
     return is_controlled ? PZS_OK : status_of(core->mode);

@@ -3,6 +3,7 @@
 # Table of control laws in tests/bench/README.md, from the program that measures them (bench_laws.c).
 #   laws.sh           print the rows
 #   laws.sh --write   print them and put them into the README, between its markers (make bench-laws)
+#   laws.sh --check   compare them with those in the README; TAP on stdout (make check-long)
 set -u
 cd "$(dirname "$0")/../.."
 B=${B:-build}
@@ -10,12 +11,27 @@ readme=tests/bench/README.md
 dir=$(mktemp -d)
 trap 'rm -rf "$dir"' EXIT
 
+# Rows of the table in the README, without its two head lines.
+stated() {
+    sed -n '/<!-- laws -->/,/<!-- \/laws -->/p' "$readme" | grep '^|' | tail -n +3
+}
+
 # Two laws at a time.
 count=$("$B/bench/laws") || exit 1
 seq "$count" | xargs -P 2 -I '{}' sh -c '"$0" "$1" >"$2/$1"' "$B/bench/laws" '{}' "$dir" || exit 1
 for number in $(seq "$count"); do
     cat "$dir/$number"
-done | tee "$dir/rows"
+done >"$dir/rows"
+if [ "${1:-}" = --check ]; then
+    stated >"$dir/stated"
+    diff "$dir/stated" "$dir/rows" >"$dir/differences"
+    status=$?
+    [ $status -eq 0 ] || printf 'not '
+    echo "ok 1 - the $count control laws of tests/bench/README.md: the rows that are measured"
+    sed 's/^/# /' "$dir/differences"
+    exit $status
+fi
+cat "$dir/rows"
 [ "${1:-}" = --write ] || exit 0
 awk -v rows="$dir/rows" '
     /<!-- \/laws -->/ {skip = 0}

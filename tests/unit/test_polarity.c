@@ -237,6 +237,124 @@ static void large_loads_pass_the_polarity_test(void **state)
     }
 }
 
+/*
+ * Open the plate of the demonstration scene with a supervisor that tolerates large loads, and
+ * amplifiers of the given gain.
+ */
+static void open_tolerant_plate(modal_structure *s, damped_loop *d, double gain)
+{
+    const damper_settings settings = damper_default_settings();
+    open_structure(s, &structures[0]);
+    damped_loop_open(d, s, structures[0].interval, s->limit / 15, 1, NULL, 0, &settings);
+    damped_loop_supervise(d);
+    tolerate_large_loads(d);
+    damped_loop_reset(d, (plant_error){gain, 1, 1, 1, 0.1, 0, 1e-4});
+}
+
+static void close_plate(modal_structure *s, damped_loop *d)
+{
+    damped_loop_close(d);
+    structure_close(s);
+}
+
+/*
+ * Law: a polarity test waits for readings that are missing and goes on with the next ones. Where
+ * one tick in 20 has none, the alarm still comes within 31 periods of the first mode.
+ */
+static void missing_readings_delay_the_polarity_test(void **state)
+{
+    modal_structure s;
+    damped_loop d;
+    int tick = 0, begun = 0;
+    pzs_supervisor_mode before = PZS_MODE_RUNNING;
+    (void)state;
+    open_tolerant_plate(&s, &d, -1);
+    for (; !is_stopped(&d) && tick < 31 * d.supervision.polarity_ticks; tick++) {
+        d.is_silent = tick % 20 == 7;
+        (void)damped_loop_tick(&d, s.goal);
+        begun += mode_of(&d) == PZS_MODE_TESTING && before != PZS_MODE_TESTING;
+        before = mode_of(&d);
+    }
+    print_message("alarm after %d ticks\n", tick);
+    assert_true(is_stopped(&d));
+    assert_int_equal(begun, 1);
+    close_plate(&s, &d);
+}
+
+/* Run ticks, at most `most`, until the supervisor is in a mode. Returns whether it is. */
+static bool run_until(damped_loop *d, pzs_supervisor_mode mode, int most)
+{
+    for (int tick = 0; tick < most && mode_of(d) != mode; tick++)
+        (void)damped_loop_tick(d, d->structure->goal);
+    return mode_of(d) == mode;
+}
+
+/*
+ * Let the load of a healthy plate grow to six times the effect of half the voltage range until a
+ * polarity test begins.
+ */
+static void provoke_test(damped_loop *d)
+{
+    const int period = d->supervision.polarity_ticks;
+    for (int tick = 0; tick < 400 * period && mode_of(d) != PZS_MODE_TESTING; tick++) {
+        d->load = load_of_reach(d, 6) * fmin(1, tick / (100.0 * period));
+        (void)damped_loop_tick(d, d->structure->goal);
+    }
+    assert_int_equal(mode_of(d), PZS_MODE_TESTING);
+}
+
+/*
+ * Law: an input that pzs_hold keeps at a voltage stays there during a polarity test, while the
+ * others move; control then goes on.
+ */
+static void held_inputs_stay_in_the_polarity_test(void **state)
+{
+    modal_structure s;
+    damped_loop d;
+    double moved = 0;
+    (void)state;
+    open_tolerant_plate(&s, &d, 1);
+    const pzs_real held = (pzs_real)(0.3 * s.limit);
+    assert_int_equal(pzs_hold(d.loop.info.control, 3, held), PZS_OK);
+    provoke_test(&d);
+    const double before = (double)d.loop.info.voltage[4];
+    while (mode_of(&d) == PZS_MODE_TESTING) {
+        (void)damped_loop_tick(&d, s.goal);
+        moved = fmax(moved, fabs((double)d.loop.info.voltage[4] - before));
+        assert_true(d.loop.info.voltage[3] >= held && d.loop.info.voltage[3] <= held);
+    }
+    assert_int_equal(mode_of(&d), PZS_MODE_RUNNING);
+    assert_true(moved > fabs(before) / 2);
+    close_plate(&s, &d);
+}
+
+/*
+ * Law: the command to park ends a polarity test. After the command to resume, control goes on
+ * without another one if the load has gone.
+ */
+static void parking_ends_the_polarity_test(void **state)
+{
+    modal_structure s;
+    damped_loop d;
+    (void)state;
+    open_tolerant_plate(&s, &d, 1);
+    const int period = d.supervision.polarity_ticks;
+    pzs_supervisor *supervisor = pzs_loop_find(&d.loop, &pzs_supervisor_block);
+    provoke_test(&d);
+    assert_int_equal(pzs_supervisor_give(supervisor, PZS_COMMAND_PARK), PZS_OK);
+    assert_true(run_until(&d, PZS_MODE_PARKED, 10 * period));
+    d.load = 0;
+    for (int tick = 0; tick < 100 * period; tick++)
+        (void)damped_loop_tick(&d, s.goal);
+    assert_int_equal(pzs_supervisor_give(supervisor, PZS_COMMAND_RESUME), PZS_OK);
+    assert_true(run_until(&d, PZS_MODE_RUNNING, 10 * period));
+    for (int tick = 0; tick < 20 * period; tick++) {
+        (void)damped_loop_tick(&d, s.goal);
+        assert_int_equal(mode_of(&d), PZS_MODE_RUNNING);
+    }
+    close_plate(&s, &d);
+}
+
 /* Distance of the shape from the target, relative to the goal. */
 static double shape_error(const damped_loop *d, const double *wanted)
 {
@@ -617,6 +735,9 @@ int main(void)
     const struct CMUnitTest tests[] = {cmocka_unit_test(wrong_polarity_is_found),
                                        cmocka_unit_test(wrong_polarity_at_the_limits_is_found),
                                        cmocka_unit_test(large_loads_pass_the_polarity_test),
+                                       cmocka_unit_test(missing_readings_delay_the_polarity_test),
+                                       cmocka_unit_test(held_inputs_stay_in_the_polarity_test),
+                                       cmocka_unit_test(parking_ends_the_polarity_test),
                                        cmocka_unit_test(stuck_sensors_are_found),
                                        cmocka_unit_test(noisy_stuck_sensors_are_found),
                                        cmocka_unit_test(readings_return),

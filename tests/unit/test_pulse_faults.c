@@ -479,6 +479,26 @@ static void test_interruption(void **state)
     assert_int_equal(s.loop.info.electrode[1], PZS_ELECTRODE_HELD);
 }
 
+/*
+ * A supervisor that keeps the voltages during a test pulse ends the pulse: the electrodes do not
+ * answer, but no fault is found, and all are free.
+ */
+static void test_taken_over(void **state)
+{
+    static strip s;
+    double kept[INPUTS];
+    (void)state;
+    suspect(&s, 1);
+    s.fault[1] = PZS_FAULT_NONE;
+    memcpy(kept, s.acting, sizeof kept);
+    for (int tick = 0; tick < 3 * PROOF; tick++) {
+        s.loop.info.control->state.is_taken_over = true;
+        assert_int_not_equal(run_tick(&s, true), PZS_W_ELECTRODE);
+        memcpy(s.acting, kept, sizeof kept);
+        assert_free(&s);
+    }
+}
+
 /* An electrode that the program holds or releases during its test pulse is left as it is. */
 static void test_program(void **state)
 {
@@ -593,6 +613,7 @@ int main(void)
         cmocka_unit_test(test_covering_load),  cmocka_unit_test(test_returning_load),
         cmocka_unit_test(test_faulty_partner), cmocka_unit_test(test_start),
         cmocka_unit_test(test_bad_tables),     cmocka_unit_test(test_few_sensors),
+        cmocka_unit_test(test_taken_over),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }
