@@ -12,7 +12,7 @@ enum {
     SEEDS = 16,   /* number of random sequences of errors */
     HALVINGS = 9, /* number of bisections */
     JUMPS = 10,   /* number of jumps of the target */
-    FIRST = 8     /* number of ticks whose largest change of the voltages is the reference of the
+    FIRST = 8     /* number of rounds whose largest change of the voltages is the reference of the
                      growth */
 };
 
@@ -91,33 +91,48 @@ static double slope(const double *value, int count)
 }
 
 /*
+ * Run the ticks of a round: as many as a reading is old, and one. With late readings a loop without
+ * a damper consists of so many independent ones, which take turns; one alone has been moved.
+ *   size out  logarithm of the largest change of the voltages
+ */
+static pzs_status run_round(storm *storm, double *size)
+{
+    pzs_status status = PZS_OK;
+    *size = -HUGE_VAL;
+    for (int k = 0; k <= storm->rig->delay && !PZS_IS_ERROR(status); k++) {
+        status = storm_tick(storm);
+        *size = fmax(*size, log_change(storm));
+    }
+    return status;
+}
+
+/*
  * Let the voltages follow a random target for one tick, then a zero target. Every direction of the
  * voltages is then moved, the weakest ones most.
- *   size [ticks] out  work array: logarithms of the changes of the voltages
+ *   size [ticks] out  work array: logarithms of the changes of the voltages in each round
  *   grows        out  whether they grow in the second half
  */
 static pzs_status run_free(storm *storm, int ticks, double *size, bool *grows)
 {
     const storm_rig *rig = storm->rig;
+    const int most = ticks / (rig->delay + 1);
     double reference = -HUGE_VAL;
     int count = 0;
     for (size_t i = 0; i < rig->targets; i++)
         storm->target[i] = 1e-3 * rig->scale * random_noise(&storm->random);
-    for (int k = -1; k < ticks; k++) {
-        const pzs_status status = storm_tick(storm);
-        if (PZS_IS_ERROR(status))
-            return status;
-        memset(storm->target, 0, rig->targets * sizeof *storm->target);
-        if (k < 0)
-            continue;
-        size[k] = log_change(storm);
-        count = k + 1;
-        reference = k < FIRST ? fmax(reference, size[k]) : reference;
-        if (k >= FIRST && fabs(size[k] - reference) > log(enough))
-            break;
+    pzs_status status = storm_tick(storm);
+    memset(storm->target, 0, rig->targets * sizeof *storm->target);
+    bool is_clear = false;
+    while (count < most && !is_clear && !PZS_IS_ERROR(status)) {
+        status = run_round(storm, &size[count]);
+        if (count < FIRST)
+            reference = fmax(reference, size[count]);
+        else
+            is_clear = fabs(size[count] - reference) > log(enough);
+        count++;
     }
-    *grows = slope(size + count / 2, count - count / 2) > least_growth / ticks;
-    return PZS_OK;
+    *grows = slope(size + count / 2, count - count / 2) > least_growth / most;
+    return PZS_IS_ERROR(status) ? status : PZS_OK;
 }
 
 /* ---- limit cycles -------------------------------------------------------- */

@@ -78,6 +78,11 @@ def main():
             assert found, message
             wanted, shown = margin(matrix, free, relative), found['matrix_errors']['margin']
             assert abs(shown / wanted - 1) < 2 * tolerance, (relative, shown, wanted)
+    # Readings that are d ticks old make d + 1 such loops of the tick, which take turns, each with a part of the ticks.
+    for delay in (1, 2, 3, 6):
+        _, found, message = run('check', no_limits, 'limits.regularisation={relative: 1e-4}', 'simulate.sensors={delay: %d}' % delay)
+        wanted, shown = margin(matrix, np.zeros((outputs, 0)), 1e-4), found['matrix_errors']['margin']
+        assert abs(shown / wanted - 1) < 2 * tolerance + .25 * delay / 400, (delay, shown, wanted)
     code, found, message = run('check')
     errors = found['matrix_errors']
     assert code == 3 and 'influence.scatter' in message and errors['margin'] < errors['expected'], (code, errors, message)
