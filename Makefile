@@ -391,6 +391,7 @@ check-long: setup-test
 	    -lcmocka $(HOST_LIBS) -o $(B)/long-quads && $(B)/long-quads
 	FMU_FLAGS='$(SANITIZE)' FMU_PRELOAD="$$(gcc -print-file-name=libasan.so)" B=$(B) sh tests/cli/fmu.sh
 	sh tests/target/bound.sh full
+	sh tests/target/bound.sh long
 	$(B)/test/sweep-64 full
 	$(B)/test/storms-64 full
 	@$(MAKE) --no-print-directory -s $(B)/test/storms-32
