@@ -393,6 +393,7 @@ check-long: setup-test
 	sh tests/target/bound.sh full
 	@$(MAKE) --no-print-directory -s $(B)/bench/laws
 	B=$(B) sh tests/bench/laws.sh --check
+	sh tests/target/bound.sh long
 	$(B)/test/sweep-64 full
 	$(B)/test/storms-64 full
 	@$(MAKE) --no-print-directory -s $(B)/test/storms-32

@@ -397,8 +397,8 @@ typedef struct pzs_control_state {
      * (ramps and polarity tests): a fault detector then ends its tests. The detector clears it
      */
     bool is_taken_over;
-    bool is_stuck;  /* true while the supervisor finds all readings stuck: a vibration damper then
-                       ignores them until one of them changes */
+    bool is_stuck; /* true while the supervisor finds all readings stuck: a vibration damper then
+                      ignores them until one of them changes */
     bool has_step_limits; /* whether a step limit (largest change of a voltage in a tick) is shorter
                              than the distance between the voltage limits of its input */
     pzs_control_behind behind;
@@ -1021,7 +1021,7 @@ typedef struct pzs_polarity_test_state {
     pzs_real square; /* square of the norm of the predicted shape at the start of the test (m2) */
     pzs_real tolerated; /* amplitude of vibration (m) that is tolerated besides the threshold,
                            because the last test has excited it; decays with time */
-    uint32_t turn; /* counter of ticks, which tells in which of them shapes are compared */
+    uint32_t turn;      /* counter of ticks, which tells in which of them shapes are compared */
     pzs_checked_count opposed; /* counter of ticks in which the shape is opposite to the prediction;
                                   others lower it by two */
     pzs_checked_count rest;    /* number of ticks until the next test may begin */

@@ -340,8 +340,7 @@ int voltages_linear_error(const design *design, common_limits common, double *sh
     pzs_status status = PZS_E_WORKSPACE;
     result.amplifiers = design->amplifiers;
     if (result.voltage && result.at_limit && result.bounds && result.shape && effect)
-        status =
-            optimise_voltages(design, common, NULL, design->wanted, HUGE_VAL, &result, error);
+        status = optimise_voltages(design, common, NULL, design->wanted, HUGE_VAL, &result, error);
     if (status == PZS_OK) {
         curves_effects(design, result.voltage, effect);
         for (size_t i = 0; i < targets; i++)

@@ -5,7 +5,7 @@
 #include "pzs_loop.h"
 
 const loop_processor loop_processor_table[LOOP_PROCESSORS] = {
-    {"Cortex-M4F, float, -Os", "cortex_m4f", 1, 6, 15, 16, 6.0, 1},
+    {"Cortex-M4F, float, -Os", "cortex_m4f", 1, 6, 15, 16, 5.9, 1},
     {"Cortex-M7, double, -O2", "cortex_m7", 2.4, 12, 12, 16, 6.8, 1.05},
 };
 
@@ -174,7 +174,7 @@ double loop_work_vibration(const block_counts *of, const loop_processor *on)
     const double filtered = modes == 0 ? 4 * (double)sensors : 0; /* low-pass filter of readings */
     return weighed + 4 * product(on, sensors, modes) + 2 * product(on, modes, of->inputs) +
            4 * product(on, modes, modes) + few + second_prediction(of, on) +
-           on->other * (77 * (double)sensors + 60 * (double)modes +
+           on->other * (82 * (double)sensors + 60 * (double)modes +
                         predicted * (22 * (double)modes + 80) + protected_rows + filtered + 970);
 }
 

@@ -132,9 +132,17 @@ static void undo_faulty(pzs_reading_delay_state *state)
     const pzs_real *direct = direct_of(state);
     const pzs_real *now = state->control->state.voltage;
     const pzs_real *then = state->voltage + oldest_row(state) * inputs;
-    for (size_t j = 0; j < inputs; j++)
-        for (size_t i = 0; i < state->tables->sensors && is_faulty(state->control, j); i++)
-            state->corrected[i] -= direct[i * inputs + j] * (now[j] - then[j]);
+    for (size_t j = 0; j < inputs; j++) {
+        if (!is_faulty(state->control, j))
+            continue;
+        const pzs_real moved = now[j] - then[j];
+        const pzs_real *effect = direct + j;
+        pzs_real *corrected = state->corrected, *const end = corrected + state->tables->sensors;
+        for (; corrected < end; corrected++) {
+            *corrected -= *effect * moved;
+            effect += inputs;
+        }
+    }
 }
 
 /*

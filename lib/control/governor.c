@@ -135,14 +135,16 @@ static bool are_held_alike(const pzs_real *left, const pzs_real *right, uint32_t
 
 /*
  * Whether the target shape and the inputs that pzs_hold keeps at a fixed voltage are the same as
- * when the governor last computed the optimal voltages.
+ * when the governor last computed the optimal voltages. The inputs that a fault detector keeps
+ * fixed during a test pulse do not count: otherwise the reference would follow the pulse, and the
+ * fault detector would end each pulse because the target moves.
  */
 static bool is_known(const pzs_governor_state *state, const pzs_real *wanted)
 {
     const pzs_problem *problem = state->control->state.problem;
     const pzs_real *own = state->optimum.state.held[0], *loop = state->control->state.held[0];
     return state->has_target && are_equal(state->target, wanted, problem->outputs) &&
-           are_held_alike(own, loop, problem->inputs);
+           (state->control->state.is_paused || are_held_alike(own, loop, problem->inputs));
 }
 
 /*

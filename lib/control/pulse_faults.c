@@ -1279,8 +1279,8 @@ static void choose_reference(pzs_pulse_detector *detector)
         state->reference = (uint16_t)next;
     // The program may have called pzs_hold for an electrode during the pause.
     if (state->reference == NO_INPUT ||
-        (!state->has_taken && (is_held(state->control, state->suspect) ||
-                               is_held(state->control, state->reference)))) {
+        (!state->has_taken &&
+         (is_held(state->control, state->suspect) || is_held(state->control, state->reference)))) {
         end_proof(state);
         return;
     }

@@ -670,6 +670,9 @@ run 0 tables plate-closed-loop $quick --image control -o "$dir/pulses.h" --set '
 grep -q 'finds faults of 25 of 25 electrodes from 121 sensors, by test pulses of 213 ticks' "$dir/out"; check 'tables: electrodes whose faults the detector finds' $?
 run 0 simulate plate-closed-loop --json --set simulate.ticks=4000 --set simulate.plant.kinematics=linear --set 'simulate.events=[{at: 1500, dead: [v_3_2], announced: detected}, {at: 1520, target: -0.5}]' &&
     json "j['counts']['controller']['detected'] == 1 and j['counts']['controller']['falsely_detected'] == 0"; check 'simulate: a damped loop finds a dead electrode' $?
+run 0 simulate plate-closed-loop --json --set simulate.ticks=420 --set control='{rate: 300, moving_target: true}' --set kinematics=linear --set simulate.influence=undeformed \
+    --set simulate.plant.kinematics=linear --set 'simulate.events=[{at: 0, load: 0, factor: 0}, {at: 100, dead: [v_1_1], announced: detected}]' &&
+    json "j['counts']['controller']['detected'] == 1 and j['counts']['controller']['falsely_detected'] == 0"; check 'simulate: a loop with a governor finds a dead electrode' $?
 run 0 check plate-closed-loop $quick --set 'safety={selftest: {amplitude: 5, pulse_ticks: 20}}' && grep -q 'pulses of 5 V, 20 ticks each, at most 6858 ticks' "$dir/out"
 check 'self-test: check prints its duration' $?
 run 0 simulate plate-closed-loop $wired --set 'safety={selftest: {amplitude: 20, pulse_ticks: 20}}' && grep -q 'self-test before the loop.*passed' "$dir/out"
