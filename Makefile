@@ -280,7 +280,7 @@ $(B)/test/sweep-64: $(B)/64/tests/unit/sweep_path.o $(B)/64/tests/rigs/scene_run
 	@mkdir -p $(@D)
 	$(CC) $^ $(HOST_LIBS) -o $@
 
-# Storms on two structures with the unit tests, on all of them and with all laws with check-long; in float, the damped tick.
+# Storms on three structures with the unit tests, on all of them and with all laws with check-long; in float, the damped tick.
 UNIT_64 += $(B)/test/storms-64
 UNIT_32 += $(B)/test/storms-32
 STORMS := $(B)/64/tests/rigs/storm_sweep.o $(B)/64/tests/rigs/scene_run.o
@@ -333,7 +333,8 @@ hard: $(B)/64/host.a $(B)/64/libpiezoshape.a
 	    -o $(B)/hard && $(B)/hard
 
 # 20,000 mutated scenes, 20,000 mutated mesh files and every shipped scene under the sanitizers, five million ticks in both precisions, a million watched,
-# a million flipped bits, a million ticks of random faults under the supervisor, 10,000 self-tests with and without a fault, FMUs with sanitizers.
+# a million flipped bits, a million ticks of random faults under the supervisor, six million of them on a vibrating plate, 10,000 self-tests with and without a
+# fault, FMUs with sanitizers.
 check-long: setup-test
 	@$(MAKE) --no-print-directory -s -j2 all san unit
 	$(CC) $(WARN) $(SANITIZE) -DMUTATIONS=20000 $(INCLUDE) tests/unit/test_scene.c $(B)/san64/host.a $(B)/san64/libpiezoshape.a \
@@ -390,6 +391,7 @@ check-long: setup-test
 	$(CC) $(WARN) $(SANITIZE) -DMUTATIONS=20000 $(INCLUDE) tests/unit/test_quads.c tests/rigs/mesh_writer.c $(B)/san64/host.a \
 	    -lcmocka $(HOST_LIBS) -o $(B)/long-quads && $(B)/long-quads
 	FMU_FLAGS='$(SANITIZE)' FMU_PRELOAD="$$(gcc -print-file-name=libasan.so)" B=$(B) sh tests/cli/fmu.sh
+	B=$(B) sh tests/cli/random_faults.sh
 	sh tests/target/bound.sh full
 	@$(MAKE) --no-print-directory -s $(B)/bench/laws
 	B=$(B) sh tests/bench/laws.sh --check

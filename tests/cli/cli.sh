@@ -660,6 +660,23 @@ for hysteresis in 0 0.1 0.3; do
         grep -q 'control was taken away.*cause: the structure moved against the shapes that the tables predict' "$dir/err"
     check "safety: reversed amplifiers raise the alarm within 250 ticks, hysteresis $hysteresis" $?
 done
+# Law of the ramp: in its tick n every voltage is 1 - n/50 of that before the ramp, to half a step of the converters, 0.05 V.
+ramps() {
+    awk -F, 'NR > 1 && $7 == 9 { n++ }
+        NR > 1 { for (k = 9; k <= NF; k++) {
+            if (n == 0) first[k] = $k
+            off = $k - first[k] * (1 - n / 50); if (off * off > 0.026 ^ 2) bad = 1
+            if (NR > 2 && ($k - last[k]) ^ 2 > 20.001 ^ 2) bad = 1
+            last[k] = $k } }
+        END { exit bad || n != 49 }' "$dir/beat.csv"
+}
+for beat in 0:0 0.3:3; do
+    # shellcheck disable=SC2086
+    run 1 simulate plate-closed-loop --quasi-static $damped --set 'safety={}' --set simulate.ticks=301 --set "simulate.plant.hysteresis=${beat%:*}" \
+        --set "simulate.sensors.delay=${beat#*:}" --csv "$dir/beat.csv" &&
+        grep -q 'control was taken away.*cause: the readings stayed too far from the shapes that the tables predict' "$dir/err" && ramps
+    check "safety: a loop without vibration model raises the alarm within 250 ticks and ramps to 0 V, hysteresis ${beat%:*}, delay ${beat#*:}" $?
+done
 # shellcheck disable=SC2086
 run 0 simulate plate-closed-loop $damped --set simulate.ticks=150000 --set 'simulate.faults={chance: 0.05, until: 149000}' --set 'safety={timeout: 400}' --set simulate.seed=2
 check 'safety: no false alarm in 150,000 ticks of random faults' $?

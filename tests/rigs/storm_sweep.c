@@ -1,8 +1,13 @@
 /*
- * Storms: structures x control laws (storm_sweep.h). Each number is the count of storms, of 30,
- * that do not settle: five structures around the model, delays of 0, 1 and 3 ticks, whole and
- * quarter step limits. The damped tick has its default settings, or those that its certificate
- * chooses; with the latter the storms also run on ceramic with the hysteresis of the scene.
+ * Storms: structures x control laws (storm_sweep.h). Each number is the count of storms, of 40,
+ * that do not settle: five structures around the model, delays of 0 to 3 ticks, whole and quarter
+ * step limits. The damped tick has its default settings, or those that its certificate chooses;
+ * with the latter the storms also run on ceramic with the hysteresis of the scene.
+ *
+ * A storm settles if the shape at all target nodes ends within 5 % of the target from the bounded
+ * optimum of the simulated structure. Also where the loop has eight sensors: these suffice to find
+ * the optimum of a structure of another gain. They show only a part of the effect of hysteresis;
+ * there the shape need only come to rest (storm.h), and `unseen` tells how far from the optimum.
  *
  * SPDX-License-Identifier: BSD-2-Clause
  */
@@ -20,6 +25,7 @@
 
 static const storm_structure structures[] = {
     STORM_STRUCTURES(false, true),
+    {"plate, 8 sensors of 121 nodes", "plate-few-sensors", LINEAR, true},
 };
 enum { STRUCTURES = sizeof structures / sizeof *structures };
 
@@ -31,17 +37,20 @@ typedef enum law_kind { STEP, LEAKY, CLIPPED, DAMPED, CHOSEN, HYSTERESIS, LAWS_T
 static const char *const law_name[LAWS_TRIED] = {"step",   "leaky",  "clipped",
                                                  "damped", "chosen", "hysteresis"};
 
-static const int delays[] = {0, 1, 3};
+static const int delays[] = {0, 1, 2, 3};
 static const double gain[] = {1, 0.8, 0.8, 1.33, 1.33}, frequency[] = {1, 0.9, 1.1, 0.9, 1.1};
 
 /* Failed storms, storms, and the worst end of one structure and law. */
 typedef struct tally {
     int failed, storms;
     double worst;
+    double unseen; /* largest distance from the best shape at which a loop with few sensors comes to
+                      rest on ceramic with hysteresis */
 } tally;
 
 /* What a sweep runs. */
 typedef struct sweep {
+    const char *only;                   /* first characters of the structures' names */
     law_kind from;                      /* first of the laws */
     int delays;                         /* number of delays, from the first one on */
     const storm_controller *controller; /* controller of the damped tick; NULL: that of the host */
@@ -74,6 +83,7 @@ static storm_tables tables_of(const passed *p)
     const pzs_vibration *vibration = p->vibration;
     return (storm_tables){.inputs = problem->inputs,
                           .outputs = problem->outputs,
+                          .sensors = vibration->sensors,
                           .modes = vibration->modes,
                           .delay = vibration->delay,
                           .work_limit = problem->work_limit,
@@ -86,6 +96,9 @@ static storm_tables tables_of(const passed *p)
                           .reference_voltage = problem->reference_voltage,
                           .regularisation = problem->regularisation,
                           .shape = vibration->shape,
+                          .reading = vibration->reading,
+                          .direct = vibration->direct,
+                          .gain = vibration->gain,
                           .precision = vibration->precision,
                           .modal = vibration->modal,
                           .turn = vibration->turn,
@@ -146,7 +159,8 @@ static int ten_storms(const storm_rig *rig, bool has_hysteresis, tally *t, const
             return complain(name, error);
         t->storms++;
         t->failed += !result.passed;
-        t->worst = result.end > t->worst ? result.end : t->worst;
+        t->worst = fmax(t->worst, result.end);
+        t->unseen = fmax(t->unseen, result.unseen);
     }
     return 0;
 }
@@ -163,14 +177,15 @@ static int try_storms(const storm_rig *rig, law_kind kind, tally *t, const char 
 }
 
 /* Make the tables of the vibration damper with its default settings, or with the chosen ones. */
-static int open_damper(damper *damper, analysis *analysis, law_kind kind, char *error)
+static int open_damper(damper *damper, const estimator *few, analysis *analysis, law_kind kind,
+                       char *error)
 {
     memset(&analysis->certificate.loop, 0, sizeof analysis->certificate.loop);
     analysis->certificate.has_settings = false;
     if (kind == CHOSEN && certify_loop(analysis, error) < 0)
         return -1;
     const damper_options options = damper_options_of(analysis);
-    return damper_make(damper, analysis, NULL, &options, error);
+    return damper_make(damper, analysis, few, &options, error);
 }
 
 /*
@@ -217,14 +232,14 @@ static int try_controller(storm_rig *rig, const loop_blocks *blocks, const dampe
 static int try_law(storm_rig *rig, analysis *analysis, law_kind kind, const sweep *sweep, tally *t,
                    const char *name)
 {
-    const estimator none = {0};
+    const estimator none = {0}, *few = rig->estimator;
     char error[SCENE_ERROR];
     damper damper = {0};
     loop_blocks blocks;
     int failed = 0;
-    if (kind >= DAMPED && open_damper(&damper, analysis, kind, error) < 0)
+    if (kind >= DAMPED && open_damper(&damper, few, analysis, kind, error) < 0)
         return complain(name, error);
-    loop_blocks_fill(&blocks, &analysis->design, &none, &damper);
+    loop_blocks_fill(&blocks, &analysis->design, few ? few : &none, &damper);
     storm_use(rig, blocks.block, blocks.count, analysis->design.simulate.delay);
     if (kind == LEAKY || kind == CLIPPED)
         failed = try_other(rig, &blocks, kind, t, name);
@@ -246,13 +261,16 @@ static int try_law(storm_rig *rig, analysis *analysis, law_kind kind, const swee
 static int try_structure(const storm_structure *s, const sweep *sweep, tally t[LAWS_TRIED])
 {
     scene_run run;
+    estimator estimator = {0};
     storm_rig rig;
     int failed = 0;
     if (scene_run_open(&run, s->scene, s->changes) < 0 ||
         analysis_influence(&run.analysis, run.error) < 0)
         return complain(s->name, run.error);
     certificate_make(&run.analysis.certificate, &run.analysis);
-    if (storm_open(&rig, &run.analysis, NULL, run.error) < 0)
+    const bool has_few = loop_estimates(&run.analysis.design);
+    if ((has_few && estimator_open(&estimator, &run.analysis, run.error) < 0) ||
+        storm_open(&rig, &run.analysis, has_few ? &estimator : NULL, run.error) < 0)
         return complain(s->name, run.error);
     for (int kind = (int)sweep->from; kind < HYSTERESIS; kind++)
         for (int d = 0; d < sweep->delays; d++) {
@@ -260,31 +278,37 @@ static int try_structure(const storm_structure *s, const sweep *sweep, tally t[L
             failed |= try_law(&rig, &run.analysis, (law_kind)kind, sweep, &t[kind], s->name) < 0;
         }
     storm_close(&rig);
+    estimator_close(&estimator);
     scene_run_close(&run);
     return failed ? -1 : 0;
 }
 
 static int run_full(const sweep *sweep)
 {
-    int bad = 0;
-    printf("  %-32s", "storms that do not settle, of 30");
+    int bad = 0, count = 0;
+    printf("  %-32s", "storms that do not settle, of 40");
     for (int kind = (int)sweep->from; kind < LAWS_TRIED; kind++)
         printf(" %10s %9s", law_name[kind], "worst");
     putchar('\n');
     for (int i = 0; i < STRUCTURES; i++) {
         tally t[LAWS_TRIED] = {{0}};
+        if (strncmp(structures[i].name, sweep->only, strlen(sweep->only)) != 0)
+            continue;
         if (try_structure(&structures[i], sweep, t) < 0)
             return 1;
+        count++;
         printf("  %-32s", structures[i].name);
         for (int kind = (int)sweep->from; kind < LAWS_TRIED; kind++)
             printf(" %10d %9.2g", t[kind].failed, t[kind].worst);
+        if (t[HYSTERESIS].unseen > 0)
+            printf("  unseen %.2g", t[HYSTERESIS].unseen);
         putchar('\n');
         fflush(stdout);
         bad += t[DAMPED].failed + t[CHOSEN].failed > 0;
     }
     printf("%s - the damped tick%s settles in every storm on %d of %d structures\n",
-           bad ? "not ok" : "ok", sweep->precision, STRUCTURES - bad, STRUCTURES);
-    return bad > 0;
+           bad || count == 0 ? "not ok" : "ok", sweep->precision, count - bad, count);
+    return bad || count == 0;
 }
 
 static int run_quick(const sweep *sweep)
@@ -301,6 +325,8 @@ static int run_quick(const sweep *sweep)
                structures[i].name, t[DAMPED].storms, t[DAMPED].failed, sweep->precision,
                t[DAMPED].worst, t[CHOSEN].failed, t[CHOSEN].worst, t[HYSTERESIS].failed,
                t[HYSTERESIS].worst);
+        if (t[HYSTERESIS].unseen > 0)
+            printf(" (from rest, %.3g from the best shape)", t[HYSTERESIS].unseen);
         if (t[CLIPPED].storms > 0)
             printf("; %d with clipped least squares", t[CLIPPED].failed);
         putchar('\n');
@@ -311,10 +337,12 @@ static int run_quick(const sweep *sweep)
     return bad > 0;
 }
 
-int bridge_storms(bool is_full, const storm_controller *controller, const storm_controller *same)
+int bridge_storms(bool is_full, const char *only, const storm_controller *controller,
+                  const storm_controller *same)
 {
     const law_kind first = is_full ? STEP : CLIPPED;
-    const sweep sweep = {.from = controller ? DAMPED : first,
+    const sweep sweep = {.only = only,
+                         .from = controller ? DAMPED : first,
                          .delays = is_full ? (int)(sizeof delays / sizeof *delays) : 1,
                          .controller = controller,
                          .same = same,

@@ -2,8 +2,9 @@
  * Storms on structures with mass (rigs/storm_sweep.h), with the controller in the precision of this
  * program; the structures, and the tables before they are rounded, are in double.
  *
- *   storms        the damped tick on two structures with one delay
- *   storms full   all structures, as a table
+ *   storms             the damped tick on three structures with one delay
+ *   storms full        all structures, as a table
+ *   storms full NAME   the structures whose names begin like this
  *
  * In double the controller is the one of the host tools: clipped least squares and other laws run
  * beside the damped tick, and in the short run the storms of the controller of this file have the
@@ -65,10 +66,11 @@ static bool fill_problem(const storm_tables *from)
 
 static bool fill_vibration(const storm_tables *from)
 {
-    const size_t inputs = from->inputs, outputs = from->outputs, modes = from->modes;
+    const size_t inputs = from->inputs, outputs = from->outputs, modes = from->modes,
+                 sensors = from->sensors;
     own.vibration = (pzs_vibration){.inputs = from->inputs,
                                     .outputs = from->outputs,
-                                    .sensors = from->outputs,
+                                    .sensors = from->sensors,
                                     .modes = from->modes,
                                     .delay = from->delay};
     own.vibration.shape = put(from->shape, outputs * modes);
@@ -78,8 +80,13 @@ static bool fill_vibration(const storm_tables *from)
     own.vibration.explain = put(from->explain, modes * modes);
     own.vibration.damping = put(from->damping, modes * inputs);
     own.vibration.inverse_angle = put(from->inverse_angle, modes);
+    if (from->reading != NULL) {
+        own.vibration.reading = put(from->reading, sensors * modes);
+        own.vibration.direct = put(from->direct, sensors * inputs);
+        own.vibration.gain = put(from->gain, outputs * sensors);
+    }
     if (from->precision != NULL)
-        own.vibration.precision = put(from->precision, outputs);
+        own.vibration.precision = put(from->precision, sensors);
     own.vibration.share = (pzs_real)from->share;
     own.vibration.mix = (pzs_real)from->mix;
     own.vibration.slow = (pzs_real)from->slow;
@@ -88,15 +95,16 @@ static bool fill_vibration(const storm_tables *from)
 
 static bool take_memory(const storm_tables *from)
 {
-    const size_t inputs = from->inputs, outputs = from->outputs, modes = from->modes;
-    const size_t reals = inputs * (outputs + inputs + 4) + 4 * outputs +
-                         modes * (outputs + 2 * inputs + 4 * modes + 5);
+    const size_t inputs = from->inputs, outputs = from->outputs, modes = from->modes,
+                 sensors = from->sensors;
+    const size_t reals = inputs * (outputs + inputs + sensors + 4) + outputs * (sensors + 2) +
+                         2 * sensors + modes * (outputs + sensors + 2 * inputs + 4 * modes + 5);
     own.at = own.memory = calloc(reals, sizeof *own.memory);
     if (own.memory == NULL)
         return false;
     own.wanted = own.at;
     own.measured = own.wanted + outputs;
-    own.at = own.measured + outputs;
+    own.at = own.measured + sensors;
     return true;
 }
 
@@ -121,10 +129,10 @@ static bool start(const storm_tables *tables)
 
 static bool tick(const double *wanted, const double *measured, double *voltage)
 {
-    for (size_t i = 0; i < own.problem.outputs; i++) {
+    for (size_t i = 0; i < own.problem.outputs; i++)
         own.wanted[i] = (pzs_real)wanted[i];
+    for (size_t i = 0; i < own.vibration.sensors; i++)
         own.measured[i] = (pzs_real)measured[i];
-    }
     const pzs_status status = pzs_loop_tick(&own.loop, own.wanted, own.measured);
     for (size_t k = 0; k < own.problem.inputs; k++)
         voltage[k] = (double)own.loop.info.voltage[k];
@@ -135,9 +143,10 @@ int main(int argc, char **argv)
 {
     static const storm_controller controller = {" in float", start, tick};
     const bool is_full = argc > 1 && strcmp(argv[1], "full") == 0;
+    const char *only = argc > 2 ? argv[2] : "";
     const bool is_float = sizeof(pzs_real) < sizeof(double);
     const storm_controller *same = is_full || is_float ? NULL : &controller;
-    const int failed = bridge_storms(is_full, is_float ? &controller : NULL, same);
+    const int failed = bridge_storms(is_full, only, is_float ? &controller : NULL, same);
     close_controller();
     return failed;
 }

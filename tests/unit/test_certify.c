@@ -20,6 +20,7 @@
 #include "../../host_tools/simulate/storm.h"
 #include "../rigs/ceramics.h"
 #include "../rigs/scene_run.h"
+#include "../rigs/storm_structures.h"
 
 #define PANEL "tests/rigs/scenes/storm-panel.yaml"
 
@@ -129,7 +130,8 @@ static void test_load_step(void **state)
               {PANEL, "control.rate=5000;simulate.sensors={delay: 3}"},
               {PANEL, "limits={voltage: [0, 300], step_limit: 10}"},
               {"tests/rigs/scenes/storm-twins.yaml", ""},
-              {PANEL, "control.rate=500"}};
+              {PANEL, "control.rate=500"},
+              {"mirror", MIRROR "control={rate: 20000}"}};
     (void)state;
     for (size_t i = 0; i < sizeof of / sizeof *of; i++) {
         scene_run run;

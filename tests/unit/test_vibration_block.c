@@ -22,21 +22,26 @@
 #ifdef __SANITIZE_ADDRESS__
 enum { STORM_DELAYS = 1, SLOW_AMPLIFIERS = 1 };
 #else
-enum { STORM_DELAYS = 3, SLOW_AMPLIFIERS = 4 };
+enum { STORM_DELAYS = 4, SLOW_AMPLIFIERS = 4 };
 #endif
 
-/* Thirty storms: five plants, three delays, two step limits. Returns the number that do not settle
- * within 5 %. */
-static int thirty_storms(const modal_structure *s, double interval, const damper_settings *settings,
-                         double *worst)
+/*
+ * Forty storms: five plants, four delays, two step limits. Returns the number that do not end
+ * within 5 % of the goal from the bounded optimum of the plant, at all outputs and with the
+ * vibration of the last period.
+ *   sensor [sensors] in   indices of the outputs that are sensors; NULL: all outputs
+ *   worst            out  largest of these distances, relative to the goal
+ */
+static int forty_storms(const modal_structure *s, double interval, const size_t *sensor,
+                        size_t sensors, const damper_settings *settings, double *worst)
 {
-    static const int delay[] = {0, 1, 3};
+    static const int delay[] = {0, 3, 1, 2};
     storm_tally tally = {0};
     for (int slew = 0; slew < 2; slew++)
         for (int k = 0; k < STORM_DELAYS; k++) {
             damped_loop d;
-            damped_loop_open(&d, s, interval, s->limit / (slew ? 60 : 15), delay[k], NULL, 0,
-                             settings);
+            damped_loop_open(&d, s, interval, s->limit / (slew ? 60 : 15), delay[k], sensor,
+                             sensors, settings);
             loop_storms(&d, delay[k], LOOP_SEED, INT_MAX, &tally);
             damped_loop_close(&d);
         }
@@ -51,8 +56,8 @@ static void plate_settles_after_storms(void **state)
     double worst;
     (void)state;
     structure_of_plate(&s, 60);
-    const int failed = thirty_storms(&s, 1e-3, &settings, &worst);
-    print_message("plate: %d of 30 storms fail, worst %.3g\n", failed, worst);
+    const int failed = forty_storms(&s, 1e-3, NULL, 0, &settings, &worst);
+    print_message("plate: %d of 40 storms fail, worst %.3g\n", failed, worst);
     assert_int_equal(failed, 0);
     structure_close(&s);
 }
@@ -763,12 +768,31 @@ static void converter_steps_are_carried(void **state)
 }
 
 /*
- * Eight sensors of the plate settle storms too. Two stand beside the axis of symmetry at different
- * distances from the clamped edge: a symmetric pair gives one combination of
- * the static positions of both twisting modes, and the Riccati equation of the observer would have
- * no solution.
+ * Eight sensors, at the places of the scene `plate-few-sensors`, suffice to end every storm near
+ * the bounded optimum of the plant at all 121 outputs.
  */
 static void few_sensors_settle(void **state)
+{
+    static const size_t sensor[] = {110, 115, 120, 55, 60, 65, 90, 96};
+    const damper_settings settings = damper_default_settings();
+    modal_structure s;
+    double worst;
+    (void)state;
+    structure_of_plate(&s, 60);
+    const int failed = forty_storms(&s, 1e-3, sensor, 8, &settings, &worst);
+    print_message("8 sensors: %d of 40 storms fail, worst %.3g\n", failed, worst);
+    assert_int_equal(failed, 0);
+    structure_close(&s);
+}
+
+/*
+ * The loop also comes to rest with five of eight sensors on the axis of symmetry, although these
+ * show little of the twist that the target consists of, and the plants end up to 0.21 goals from
+ * their optimum. The other three stand at different distances from the clamped edge: one symmetric
+ * pair gives one combination of the static positions of both twisting modes, and the Riccati
+ * equation of the observer would have no solution.
+ */
+static void sensors_on_the_axis_settle(void **state)
 {
     static const size_t sensor[] = {16, 38, 60, 82, 99, 104, 115, 120};
     const damper_settings settings = damper_default_settings();
@@ -779,14 +803,15 @@ static void few_sensors_settle(void **state)
         damped_loop d;
         damped_loop_open(&d, &s, 1e-3, 20, delay, sensor, 8, &settings);
         const plant_error error = {1.2, 0.95, 1, delay, 0, 0, 1e-4};
-        loop_storm(&d, error, LOOP_SEED, 1200);
+        const double end = loop_storm(&d, error, LOOP_SEED, 1200);
         const pzs_damper *damper = pzs_loop_find(&d.loop, &pzs_vibration_block);
         double goal = 0;
         for (size_t i = 0; i < s.outputs; i++)
             goal += pow(s.goal[i], 2);
         goal = sqrt(goal / (double)s.outputs);
-        print_message("8 sensors, delay %d: vibration %.2g of the goal\n", delay,
-                      (double)damper->info.deviation / goal);
+        print_message("sensors on the axis, delay %d: vibration %.2g of the goal, %.2g from the "
+                      "optimum\n",
+                      delay, (double)damper->info.deviation / goal, end);
         assert_int_equal(d.modes, 7);
         assert_true((double)damper->info.deviation < 0.02 * goal);
         damped_loop_close(&d);
@@ -1050,8 +1075,8 @@ static void other_structures_settle(void **state)
         modal_structure s;
         double worst;
         structure_of_supported_plate(&s, &of[i].plate);
-        const int failed = thirty_storms(&s, 1 / of[i].rate, &settings, &worst);
-        print_message("%s: %d of 30 storms fail, worst %.3g\n", of[i].name, failed, worst);
+        const int failed = forty_storms(&s, 1 / of[i].rate, NULL, 0, &settings, &worst);
+        print_message("%s: %d of 40 storms fail, worst %.3g\n", of[i].name, failed, worst);
         assert_int_equal(failed, 0);
         structure_close(&s);
     }
@@ -1067,8 +1092,8 @@ static void near_equal_modes_settle(void **state)
     structure_of_plate(&s, 60);
     s.omega[1] = 1.01 * s.omega[0];
     s.omega[3] = 1.01 * s.omega[2];
-    const int failed = thirty_storms(&s, 1e-3, &settings, &worst);
-    print_message("near-equal modes: %d of 30 storms fail, worst %.3g\n", failed, worst);
+    const int failed = forty_storms(&s, 1e-3, NULL, 0, &settings, &worst);
+    print_message("near-equal modes: %d of 40 storms fail, worst %.3g\n", failed, worst);
     assert_int_equal(failed, 0);
     structure_close(&s);
 }
@@ -1087,6 +1112,7 @@ int main(void)
         cmocka_unit_test(bad_readings_do_no_harm),
         cmocka_unit_test(converter_steps_are_carried),
         cmocka_unit_test(few_sensors_settle),
+        cmocka_unit_test(sensors_on_the_axis_settle),
         cmocka_unit_test(governor_follows_moving_targets),
         cmocka_unit_test(governor_keeps_no_exchange),
         cmocka_unit_test(voltages_lead_the_deviation),
