@@ -369,6 +369,7 @@ check-long: setup-test
 	    && $(B)/long-recursive || exit 1; done
 	@$(MAKE) --no-print-directory -s $(B)/test/detector-64
 	$(B)/test/detector-64 45000
+	$(B)/test/detector-64 340000 'plate, 30 %'
 	@$(MAKE) --no-print-directory -s $(B)/test/gate-64
 	$(B)/test/gate-64 1000000
 	sh tests/target/gate.sh 1000000
