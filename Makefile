@@ -216,7 +216,7 @@ $(call for_variants,measured,64 san64,@tests/rigs/scene_run.o @host.a)
 $(call for_variants,curves,64 san64,@tests/rigs/scene_run.o @host.a)
 $(call for_variants,measured_modes,64,@tests/rigs/scene_run.o @host.a)
 $(call for_variants,scene_gains,64 san64,@tests/rigs/scene_run.o @host.a)
-$(call for_variants,identify,64,@tests/rigs/scene_run.o @host.a)
+$(call for_variants,identify,64,@tests/rigs/ceramic_sweep.o @tests/rigs/scene_run.o @host.a)
 $(call for_variants,identify_modes,64,@host.a)
 $(call for_variants,calibrate,64 san64,@tests/rigs/scene_run.o @host.a)
 $(call for_variants,model,64 32 san64 san32,@tests/rigs/testdata.o @bridge64.o)
@@ -302,7 +302,7 @@ $(B)/test/motion_storms-64: $(B)/64/tests/unit/sweep_motion.o $(B)/64/tests/rigs
 
 # Fault detector in a loop that damps vibration; `detector-64 45000` runs a million healthy ticks, with check-long.
 UNIT_64 += $(B)/test/detector-64
-$(B)/test/detector-64: $(B)/64/tests/unit/sweep_faults.o $(B)/64/tests/rigs/fault_rig.o $(B)/64/tests/rigs/damped_plant.o $(B)/64/tests/rigs/scene_run.o $(B)/64/host.a $(B)/64/libpiezoshape.a
+$(B)/test/detector-64: $(B)/64/tests/unit/sweep_faults.o $(B)/64/tests/rigs/fault_rig.o $(B)/64/tests/rigs/ceramic_sweep.o $(B)/64/tests/rigs/damped_plant.o $(B)/64/tests/rigs/scene_run.o $(B)/64/host.a $(B)/64/libpiezoshape.a
 	@mkdir -p $(@D)
 	$(CC) $^ $(HOST_LIBS) -o $@
 
