@@ -30,6 +30,7 @@
  */
 #include <string.h>
 #include "polarity_test.h"
+#include "../core/numbers.h"
 #include "../core/product.h"
 
 /* One tick in POLARITY_STRIDE compares the measured with the predicted shape. */
@@ -113,12 +114,12 @@ static uint32_t counted(uint32_t opposed, bool is_opposed, uint32_t most)
 
 /*
  * Return the tolerated amplitude of vibration after POLARITY_STRIDE ticks: it falls by e in
- * FADING_PERIODS periods, and is at most `most`.
+ * FADING_PERIODS periods, and is 0 to `most`, even where memory was damaged.
  */
 static pzs_real faded(pzs_real tolerated, pzs_real most, const pzs_supervision *tables)
 {
     const pzs_real ticks = FADING_PERIODS * (pzs_real)tables->polarity_ticks + POLARITY_STRIDE;
-    return (tolerated < most ? tolerated : most) * (1 - POLARITY_STRIDE / ticks);
+    return number_clamp(tolerated, 0, most) * (1 - POLARITY_STRIDE / ticks);
 }
 
 void pzs_polarity_test_compare(pzs_polarity_test_state *test, const pzs_supervision *tables,
