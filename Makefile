@@ -183,7 +183,7 @@ $(call for_variants,polarity,64 32 san64 san32,$(DAMPED))
 $(call for_variants,selftest,64 32 san64 san32,@bridge64.o)
 $(call for_variants,recursive,64 32 san64 san32,@bridge64.o)
 $(call for_variants,pulse_faults,64 32 san64 san32,)
-$(foreach t,flips damped_flips,$(call for_variants,$(t),64 32 san64 san32,@tests/rigs/flip_rig.o))
+$(foreach t,flips damped_flips watched_flips,$(call for_variants,$(t),64 32 san64 san32,@tests/rigs/flip_rig.o))
 $(foreach t,supervisor heartbeat output_gate hysteresis actuator_curve,$(call for_variants,$(t),64 32 san64 san32,))
 $(call for_variants,estimator,64 san64,@tests/rigs/scene_run.o @host.a)
 $(call for_variants,shell,64 san64,@tests/rigs/testdata.o @host.a)
@@ -274,6 +274,19 @@ DAMPED_OBJECTS := $(foreach v,64 32 san64 san32,$(B)/$(v)/tests/unit/test_damped
 $(DAMPED_OBJECTS): $(B)/tables/damped_plate.h $(B)/tables/late_plate.h
 $(DAMPED_OBJECTS): INCLUDE += -I$(B)/tables
 
+# The same plate with the sensor gate, and with the fault detector.
+WATCHED_PLATE := plate-50-patches --set 'limits.voltage=[-300, 300]' --set limits.step_limit=20 --image control
+$(B)/tables/gated_plate.h: $(B)/pzs
+	@mkdir -p $(@D)
+	$< tables $(WATCHED_PLATE) --set 'control={rate: 1000, sensor_gate: true}' --prefix gated -o $@ >/dev/null 2>&1
+$(B)/tables/watched_plate.h: $(B)/pzs
+	@mkdir -p $(@D)
+	$< tables $(WATCHED_PLATE) --set 'control={rate: 1000}' --prefix watched -o $@ \
+	    --set 'simulate={ticks: 10, events: [{at: 9, dead: [v_1_1], announced: detected}]}' >/dev/null 2>&1
+WATCHED_OBJECTS := $(foreach v,64 32 san64 san32,$(B)/$(v)/tests/unit/test_watched_flips.o)
+$(WATCHED_OBJECTS): $(B)/tables/gated_plate.h $(B)/tables/watched_plate.h
+$(WATCHED_OBJECTS): INCLUDE += -I$(B)/tables
+
 # Part of the sweep of equilibria with the unit tests, all of it with check-long.
 UNIT_64 += $(B)/test/sweep-64
 $(B)/test/sweep-64: $(B)/64/tests/unit/sweep_path.o $(B)/64/tests/rigs/scene_run.o $(B)/64/host.a $(B)/64/libpiezoshape.a
@@ -354,6 +367,8 @@ check-long: setup-test
 	    tests/unit/test_flips.c tests/rigs/flip_rig.c $(B)/$$bits/libpiezoshape.a -lcmocka -lm -o $(B)/long-flips && $(B)/long-flips || exit 1; done
 	for bits in 32 64; do $(CC) $(WARN) -O2 -DPZS_REAL_BITS=$$bits -DFLIPS=1000000 -DWINDOWS=2000 $(INCLUDE) \
 	    -I$(B)/tables tests/unit/test_damped_flips.c tests/rigs/flip_rig.c $(B)/$$bits/libpiezoshape.a -lcmocka -lm -o $(B)/long-flips && $(B)/long-flips || exit 1; done
+	for bits in 32 64; do $(CC) $(WARN) -O2 -DPZS_REAL_BITS=$$bits -DFLIPS=1000000 -DWINDOWS=2500 $(INCLUDE) \
+	    -I$(B)/tables tests/unit/test_watched_flips.c tests/rigs/flip_rig.c $(B)/$$bits/libpiezoshape.a -lcmocka -lm -o $(B)/long-flips && $(B)/long-flips || exit 1; done
 	for bits in 32 64; do $(CC) $(WARN) -O2 -DPZS_REAL_BITS=$$bits -DPZS_DUAL_INPUTS=1u -DFLIPS=1000000 -DWINDOWS=20000 $(INCLUDE) \
 	    -I$(B)/tables tests/unit/test_flips.c tests/rigs/flip_rig.c $(LIB) -lcmocka -lm -o $(B)/long-flips && $(B)/long-flips || exit 1; done
 	for bits in 32 64; do $(CC) $(WARN) -O2 -DPZS_REAL_BITS=$$bits -DLONG_TICKS=1000000 $(INCLUDE) tests/unit/test_supervisor.c \
