@@ -183,7 +183,7 @@ $(call for_variants,polarity,64 32 san64 san32,$(DAMPED))
 $(call for_variants,selftest,64 32 san64 san32,@bridge64.o)
 $(call for_variants,recursive,64 32 san64 san32,@bridge64.o)
 $(call for_variants,pulse_faults,64 32 san64 san32,)
-$(foreach t,flips damped_flips,$(call for_variants,$(t),64 32 san64 san32,@tests/rigs/flip_rig.o))
+$(foreach t,flips damped_flips watched_flips,$(call for_variants,$(t),64 32 san64 san32,@tests/rigs/flip_rig.o))
 $(foreach t,supervisor heartbeat output_gate hysteresis actuator_curve,$(call for_variants,$(t),64 32 san64 san32,))
 $(call for_variants,estimator,64 san64,@tests/rigs/scene_run.o @host.a)
 $(call for_variants,shell,64 san64,@tests/rigs/testdata.o @host.a)
@@ -216,7 +216,7 @@ $(call for_variants,measured,64 san64,@tests/rigs/scene_run.o @host.a)
 $(call for_variants,curves,64 san64,@tests/rigs/scene_run.o @host.a)
 $(call for_variants,measured_modes,64,@tests/rigs/scene_run.o @host.a)
 $(call for_variants,scene_gains,64 san64,@tests/rigs/scene_run.o @host.a)
-$(call for_variants,identify,64,@tests/rigs/scene_run.o @host.a)
+$(call for_variants,identify,64,@tests/rigs/ceramic_sweep.o @tests/rigs/scene_run.o @host.a)
 $(call for_variants,identify_modes,64,@host.a)
 $(call for_variants,calibrate,64 san64,@tests/rigs/scene_run.o @host.a)
 $(call for_variants,model,64 32 san64 san32,@tests/rigs/testdata.o @bridge64.o)
@@ -274,6 +274,19 @@ DAMPED_OBJECTS := $(foreach v,64 32 san64 san32,$(B)/$(v)/tests/unit/test_damped
 $(DAMPED_OBJECTS): $(B)/tables/damped_plate.h $(B)/tables/late_plate.h
 $(DAMPED_OBJECTS): INCLUDE += -I$(B)/tables
 
+# The same plate with the sensor gate, and with the fault detector.
+WATCHED_PLATE := plate-50-patches --set 'limits.voltage=[-300, 300]' --set limits.step_limit=20 --image control
+$(B)/tables/gated_plate.h: $(B)/pzs
+	@mkdir -p $(@D)
+	$< tables $(WATCHED_PLATE) --set 'control={rate: 1000, sensor_gate: true}' --prefix gated -o $@ >/dev/null 2>&1
+$(B)/tables/watched_plate.h: $(B)/pzs
+	@mkdir -p $(@D)
+	$< tables $(WATCHED_PLATE) --set 'control={rate: 1000}' --prefix watched -o $@ \
+	    --set 'simulate={ticks: 10, events: [{at: 9, dead: [v_1_1], announced: detected}]}' >/dev/null 2>&1
+WATCHED_OBJECTS := $(foreach v,64 32 san64 san32,$(B)/$(v)/tests/unit/test_watched_flips.o)
+$(WATCHED_OBJECTS): $(B)/tables/gated_plate.h $(B)/tables/watched_plate.h
+$(WATCHED_OBJECTS): INCLUDE += -I$(B)/tables
+
 # Part of the sweep of equilibria with the unit tests, all of it with check-long.
 UNIT_64 += $(B)/test/sweep-64
 $(B)/test/sweep-64: $(B)/64/tests/unit/sweep_path.o $(B)/64/tests/rigs/scene_run.o $(B)/64/host.a $(B)/64/libpiezoshape.a
@@ -302,7 +315,7 @@ $(B)/test/motion_storms-64: $(B)/64/tests/unit/sweep_motion.o $(B)/64/tests/rigs
 
 # Fault detector in a loop that damps vibration; `detector-64 45000` runs a million healthy ticks, with check-long.
 UNIT_64 += $(B)/test/detector-64
-$(B)/test/detector-64: $(B)/64/tests/unit/sweep_faults.o $(B)/64/tests/rigs/fault_rig.o $(B)/64/tests/rigs/damped_plant.o $(B)/64/tests/rigs/scene_run.o $(B)/64/host.a $(B)/64/libpiezoshape.a
+$(B)/test/detector-64: $(B)/64/tests/unit/sweep_faults.o $(B)/64/tests/rigs/fault_rig.o $(B)/64/tests/rigs/ceramic_sweep.o $(B)/64/tests/rigs/damped_plant.o $(B)/64/tests/rigs/scene_run.o $(B)/64/host.a $(B)/64/libpiezoshape.a
 	@mkdir -p $(@D)
 	$(CC) $^ $(HOST_LIBS) -o $@
 
@@ -355,6 +368,8 @@ check-long: setup-test
 	    tests/unit/test_flips.c tests/rigs/flip_rig.c $(B)/$$bits/libpiezoshape.a -lcmocka -lm -o $(B)/long-flips && $(B)/long-flips || exit 1; done
 	for bits in 32 64; do $(CC) $(WARN) -O2 -DPZS_REAL_BITS=$$bits -DFLIPS=1000000 -DWINDOWS=2000 $(INCLUDE) \
 	    -I$(B)/tables tests/unit/test_damped_flips.c tests/rigs/flip_rig.c $(B)/$$bits/libpiezoshape.a -lcmocka -lm -o $(B)/long-flips && $(B)/long-flips || exit 1; done
+	for bits in 32 64; do $(CC) $(WARN) -O2 -DPZS_REAL_BITS=$$bits -DFLIPS=1000000 -DWINDOWS=2500 $(INCLUDE) \
+	    -I$(B)/tables tests/unit/test_watched_flips.c tests/rigs/flip_rig.c $(B)/$$bits/libpiezoshape.a -lcmocka -lm -o $(B)/long-flips && $(B)/long-flips || exit 1; done
 	for bits in 32 64; do $(CC) $(WARN) -O2 -DPZS_REAL_BITS=$$bits -DPZS_DUAL_INPUTS=1u -DFLIPS=1000000 -DWINDOWS=20000 $(INCLUDE) \
 	    -I$(B)/tables tests/unit/test_flips.c tests/rigs/flip_rig.c $(LIB) -lcmocka -lm -o $(B)/long-flips && $(B)/long-flips || exit 1; done
 	for bits in 32 64; do $(CC) $(WARN) -O2 -DPZS_REAL_BITS=$$bits -DLONG_TICKS=1000000 $(INCLUDE) tests/unit/test_supervisor.c \
@@ -370,6 +385,7 @@ check-long: setup-test
 	    && $(B)/long-recursive || exit 1; done
 	@$(MAKE) --no-print-directory -s $(B)/test/detector-64
 	$(B)/test/detector-64 45000
+	$(B)/test/detector-64 340000 'plate, 30 %'
 	@$(MAKE) --no-print-directory -s $(B)/test/gate-64
 	$(B)/test/gate-64 1000000
 	sh tests/target/gate.sh 1000000

@@ -659,7 +659,8 @@ typedef struct pzs_pulse_detector_state {
     uint8_t *electrode; /* [inputs] state of each electrode, a value of pzs_electrode_state */
     uint8_t *fault;     /* [inputs] fault of each electrode, a value of pzs_electrode_fault */
     uint8_t *pause; /* [inputs] number of further windows (intervals in which readings are averaged)
-                       during which an electrode that has passed its test is not suspected */
+                       during which an electrode that has passed its test is not suspected; larger
+                       numbers repeat the state of one that is tested or unobservable */
     uint8_t *is_missing; /* [sensors] bits: 1: a reading was missing in the present half window or
                             test pulse; 2: in the half window before. Readings are averaged over
                             windows; the second half of one is the first half of the next */
@@ -677,6 +678,7 @@ typedef struct pzs_pulse_detector_state {
     pzs_real start[2], set[2]; /* voltages of two electrodes, the one suspected of a fault and the
                                   healthy one with which it is compared: before their test pulses
                                   (start), and in the next tick (set) (V) */
+    pzs_real set_copy[2];      /* copy of `set`, because of damaged memory (V) */
     pzs_real height[2]; /* heights of the voltage pulses that test two electrodes: the one suspected
                            of a fault [0] and the healthy one with which it is compared [1] (V) */
     pzs_pulse_fit fit;  /* fit of the readings of the last test pulse */
@@ -697,6 +699,7 @@ typedef struct pzs_pulse_detector_state {
     uint32_t position; /* number of ticks since the fault detector began its present half window
                           (readings are averaged over windows), pause or test pulse */
     uint32_t still;    /* number of ticks since the target shape last changed */
+    uint32_t sum;      /* checksum of what the fault detector has derived from its tables */
     uint16_t suspect, reference; /* inputs of the electrodes under test: the one suspected of a
                                     fault, and the healthy one with which it is compared; 0xFFFF:
                                     none */

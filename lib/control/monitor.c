@@ -95,6 +95,10 @@ void pzs_monitor_place(pzs_monitor_state *monitor, pzs_real *memory, uint32_t ou
     monitor->wanted = memory + 4u * (size_t)outputs;
     monitor->polarity.direction = monitor->move;
     monitor->stuck.reference = monitor->predicted;
+    guard_repair_bool(&monitor->is_started);
+    guard_repair_bool(&monitor->is_first);
+    guard_repair_bool(&monitor->is_opposed);
+    guard_repair_bool(&monitor->is_stuck);
 }
 
 void pzs_monitor_init(pzs_monitor_state *monitor, pzs_real *memory, uint32_t outputs)
@@ -495,10 +499,6 @@ static uint32_t judge_modes(pzs_monitor_state *monitor, const pzs_supervision *t
 uint32_t pzs_monitor_tick(pzs_monitor_state *monitor, const pzs_supervision *tables,
                           const pzs_loop_signals *signals, uint32_t over)
 {
-    guard_repair_bool(&monitor->is_started);
-    guard_repair_bool(&monitor->is_first);
-    guard_repair_bool(&monitor->is_opposed);
-    guard_repair_bool(&monitor->is_stuck);
     const bool has_modes = !(signals->deviation < 0);
     const bool has_other_inputs = count_fixed(signals) / 2u != monitor->fixed / 2u;
     if (!monitor->is_started || is_damaged(monitor) || has_other_inputs) {

@@ -10,6 +10,8 @@
  *   end of a window                  3 inputs sensors + 2 inputs^2
  *   choice of a reference electrode  inputs sensors
  *   end of a pulse                   2 inputs sensors
+ * Where memory was damaged, its constants are derived again, in 2 inputs + 2 ticks: inputs sensors
+ * in most of them, inputs^3 / 6 in one, inputs (outputs + sensors) in the last one.
  */
 #include <string.h>
 #include "pzs_loop.h"
@@ -171,6 +173,14 @@
  */
 #define CLEARED_HALVES 64u
 /*
+ * Values of the member `pause` that repeat the state of an electrode, so that a flipped bit of
+ * either is noticed:
+ *   UNDER_TEST    the fault detector fixes its voltage for a test
+ *   UNOBSERVABLE  its faults cannot be found
+ */
+#define UNDER_TEST 0xFEu
+#define UNOBSERVABLE 0xFFu
+/*
  * An electrode that has passed its test is suspected again if the voltage that it seems to lack
  * exceeds this multiple of the voltage that it seemed to lack before the test.
  */
@@ -201,8 +211,9 @@
  *   CHOOSING   one tick in which it chooses an electrode with which the suspected one is compared
  *   PULSING    it applies a test pulse
  *   JUDGING    some ticks in which it evaluates the pulse, a part of the work in each
+ *   DERIVING   some ticks in which it derives its constants again, because memory was damaged
  */
-enum { WAITING = 0, COMPARING, CHOOSING, PULSING, JUDGING };
+enum { WAITING = 0, COMPARING, CHOOSING, PULSING, JUDGING, DERIVING };
 /* Number of ticks in which the fault detector compares means. */
 #define COMPARING_TICKS 3u
 /*
@@ -283,25 +294,6 @@ static void lay_out(pzs_pulse_detector *detector, uint32_t inputs, uint32_t sens
 }
 
 /*
- * Let the fault detector begin anew if damaged memory has made its phase or the indices of the
- * electrodes under test invalid.
- */
-static void repair_phase(pzs_pulse_detector_state *state)
-{
-    const uint32_t inputs = state->tables->inputs;
-    const bool has_suspect = state->suspect < inputs, has_reference = state->reference < inputs;
-    const bool is_idle = state->phase <= COMPARING && !has_suspect && !has_reference;
-    const bool is_choosing = state->phase == CHOOSING && has_suspect && !state->has_taken;
-    const bool is_testing = state->phase != CHOOSING && has_suspect && has_reference;
-    if ((is_idle && !state->has_taken) || is_choosing || (is_testing && state->phase <= JUDGING))
-        return;
-    state->suspect = NO_INPUT;
-    state->reference = NO_INPUT;
-    state->has_taken = false;
-    state->phase = WAITING;
-}
-
-/*
  * Set the pointer of the fault detector to the readings of the first vibration mode in the tables
  * of the damper, or to NULL if the loop has no damper or one with other sensors.
  */
@@ -317,8 +309,8 @@ static void find_mode(pzs_pulse_detector_state *state, const pzs_vibration *vibr
 }
 
 /*
- * Set the pointers of the fault detector to its tables, its controller and its arrays, and reset
- * indices of electrodes that damaged memory has made invalid.
+ * Set the pointers of the fault detector to its tables, its controller and its arrays, and restore
+ * flags that damaged memory has made invalid.
  */
 static void place(pzs_pulse_detector *detector, const pzs_loop_signals *signals)
 {
@@ -339,7 +331,6 @@ static void place(pzs_pulse_detector *detector, const pzs_loop_signals *signals)
     guard_repair_bool(&state->was_moving);
     guard_repair_bool(&state->response.is_measured);
     state->silent = state->silent < WEAK_PULSES ? state->silent : 0;
-    repair_phase(state);
 }
 
 /*
@@ -612,6 +603,17 @@ static void set_voltage(pzs_control *control, uint32_t j, pzs_real voltage)
 }
 
 /*
+ * Fix the voltage of an electrode under test in the next tick (V).
+ *   number in  SUSPECT or REFERENCE
+ */
+static void set_test_voltage(pzs_pulse_detector_state *state, uint32_t number, pzs_real voltage)
+{
+    state->set[number] = voltage;
+    state->set_copy[number] = voltage;
+    set_voltage(state->control, tested_input(state, number), voltage);
+}
+
+/*
  * Return the height of the test pulse of input j (V), negative if the voltage `start` is nearer to
  * the upper voltage limit. It is the height in the tables or, while state->is_grown because of
  * hysteresis, GROWTH times that, limited by half the voltage range and by the step limit.
@@ -658,10 +660,10 @@ static void begin_pulses(pzs_pulse_detector_state *state)
     for (uint32_t k = 0; k < 2; k++) {
         const uint32_t j = tested_input(state, k);
         state->start[k] = state->control->state.voltage[j];
-        state->set[k] = state->start[k];
         state->height[k] = height_of(state, j, state->start[k]);
-        set_voltage(state->control, j, state->start[k]);
+        set_test_voltage(state, k, state->start[k]);
         state->electrode[j] = PZS_ELECTRODE_TESTED;
+        state->pause[j] = UNDER_TEST;
     }
     state->silent = 0;
     state->has_taken = true;
@@ -686,22 +688,61 @@ static void turn_pulses(pzs_pulse_detector_state *state)
     }
 }
 
+/* Whether the controller keeps input j at this voltage (V). */
+static bool is_kept_at(const pzs_control *control, uint32_t j, pzs_real voltage)
+{
+    const pzs_real lower = control->state.lower[j], upper = control->state.upper[j];
+    return lower >= voltage && lower <= voltage && upper <= lower;
+}
+
 /*
- * Let the controller choose the voltage of an electrode under test again, unless the program has
- * called pzs_hold or pzs_release for it meanwhile.
+ * Whether an electrode under test still has the voltage that the fault detector has set, so that
+ * the program has not called pzs_hold or pzs_release for it. Damaged memory may have changed this
+ * voltage or its copy.
+ *   number in  SUSPECT or REFERENCE
+ */
+static bool is_as_set(const pzs_pulse_detector_state *state, uint32_t number)
+{
+    const uint32_t j = tested_input(state, number);
+    return is_kept_at(state->control, j, state->set[number]) ||
+           is_kept_at(state->control, j, state->set_copy[number]);
+}
+
+/* Let the controller choose the voltage of electrode j again. */
+static void free_electrode(pzs_control *control, uint32_t j)
+{
+    control->state.lower[j] = control->state.problem->lower[j];
+    control->state.upper[j] = control->state.problem->upper[j];
+    pzs_control_set_held(control, j, (pzs_real)NAN);
+}
+
+/*
+ * End the test voltage of an electrode under test, unless the program has called pzs_hold or
+ * pzs_release for it meanwhile.
  *   number in  0: suspected electrode; 1: healthy electrode with which it is compared
  */
 static void release_electrode(pzs_pulse_detector_state *state, uint32_t number)
 {
-    pzs_control *control = state->control;
     const uint32_t j = tested_input(state, number);
-    const pzs_real lower = control->state.lower[j], upper = control->state.upper[j];
     state->electrode[j] = PZS_ELECTRODE_OBSERVED;
-    if (lower < state->set[number] || lower > state->set[number] || upper > lower)
-        return;
-    control->state.lower[j] = control->state.problem->lower[j];
-    control->state.upper[j] = control->state.problem->upper[j];
-    pzs_control_set_held(control, j, (pzs_real)NAN);
+    state->pause[j] = 0;
+    if (is_as_set(state, number))
+        free_electrode(state->control, j);
+}
+
+/*
+ * Release the electrodes that are still marked as under test after the end of the test, because
+ * damaged memory has changed the inputs of the electrodes under test.
+ */
+static void release_marked(pzs_pulse_detector_state *state)
+{
+    for (uint32_t j = 0; j < state->tables->inputs; j++) {
+        if (state->electrode[j] != PZS_ELECTRODE_TESTED || state->pause[j] != UNDER_TEST)
+            continue;
+        state->electrode[j] = PZS_ELECTRODE_OBSERVED;
+        state->pause[j] = 0;
+        free_electrode(state->control, j);
+    }
 }
 
 /*
@@ -710,10 +751,35 @@ static void release_electrode(pzs_pulse_detector_state *state, uint32_t number)
  */
 static void release_electrodes(pzs_pulse_detector_state *state)
 {
-    if (state->has_taken)
-        for (uint32_t k = 0; k < 2; k++)
-            release_electrode(state, k);
+    if (!state->has_taken)
+        return;
+    for (uint32_t k = 0; k < 2; k++)
+        release_electrode(state, k);
+    release_marked(state);
     state->has_taken = false;
+}
+
+/*
+ * Let the fault detector begin anew if damaged memory has made its phase or the indices of the
+ * electrodes under test invalid.
+ */
+static void repair_phase(pzs_pulse_detector_state *state)
+{
+    const uint32_t inputs = state->tables->inputs;
+    const bool has_suspect = state->suspect < inputs, has_reference = state->reference < inputs;
+    const bool is_pulsing = state->phase == PULSING || state->phase == JUDGING;
+    const bool is_alone = state->phase <= COMPARING || state->phase == DERIVING;
+    const bool is_idle = is_alone && state->suspect == NO_INPUT && state->reference == NO_INPUT;
+    const bool is_choosing = state->phase == CHOOSING && has_suspect;
+    const bool is_testing = state->phase != CHOOSING && has_suspect && has_reference;
+    const bool is_valid = is_idle || is_choosing || (is_testing && state->phase <= JUDGING);
+    if (is_valid && state->has_taken == is_pulsing)
+        return;
+    release_marked(state);
+    state->suspect = NO_INPUT;
+    state->reference = NO_INPUT;
+    state->has_taken = false;
+    begin(state, WAITING);
 }
 
 /*
@@ -722,14 +788,7 @@ static void release_electrodes(pzs_pulse_detector_state *state)
  */
 static bool is_overridden(const pzs_pulse_detector_state *state)
 {
-    const pzs_control *control = state->control;
-    for (uint32_t k = 0; k < 2 && state->has_taken; k++) {
-        const uint32_t j = tested_input(state, k);
-        const pzs_real lower = control->state.lower[j], upper = control->state.upper[j];
-        if (lower < state->set[k] || lower > state->set[k] || upper > lower)
-            return true;
-    }
-    return false;
+    return state->has_taken && !(is_as_set(state, 0) && is_as_set(state, 1));
 }
 
 /*
@@ -746,8 +805,7 @@ static void set_test_voltages(pzs_pulse_detector_state *state)
         const bool is_pulsing = state->phase == PULSING && state->position < ticks;
         const pzs_real pulse = is_pulsing ? test_pulse_at(place) : 0;
         const pzs_real voltage = state->start[k] + state->height[k] * pulse;
-        state->set[k] = number_clamp(voltage, problem->lower[j], problem->upper[j]);
-        set_voltage(state->control, j, state->set[k]);
+        set_test_voltage(state, k, number_clamp(voltage, problem->lower[j], problem->upper[j]));
     }
 }
 
@@ -1420,6 +1478,7 @@ static void exchange_electrodes(pzs_pulse_detector_state *state)
     state->reference = suspect;
     exchange(state->start);
     exchange(state->set);
+    exchange(state->set_copy);
     exchange(state->height);
     exchange(response->gain);
     exchange(response->jumped);
@@ -1431,6 +1490,178 @@ static void exchange_electrodes(pzs_pulse_detector_state *state)
     }
     state->silent = 0;
 }
+
+/* ---- constants ------------------------------------------------------------ */
+
+/*
+ * What the fault detector derives once from its tables: the matrix of the least-squares estimate
+ * (columns), and `diagonal`, `resolution`, `vibrating` and four numbers. Their checksum is compared
+ * at the end of each window and pulse. Where memory was damaged they are derived again, a part in
+ * each tick: otherwise a single flipped bit could hide all faults for ever.
+ */
+
+/* Return the checksum of the constants. It changes with each single flipped bit. */
+static uint32_t sum_of_constants(const pzs_pulse_detector_state *state)
+{
+    const uint32_t inputs = state->tables->inputs;
+    const pzs_real number[] = {state->ridge, state->share_factor, state->least_energy,
+                               state->mode_square};
+    // The diagonal follows the matrix in memory.
+    const size_t matrix = (PZS_DENSE(inputs) + inputs) * sizeof(pzs_real);
+    return pzs_guard_word_sum(state->columns.inverse, matrix) ^
+           pzs_guard_word_sum(state->resolution, inputs * sizeof *state->resolution) ^
+           pzs_guard_word_sum(state->vibrating, inputs * sizeof *state->vibrating) ^
+           pzs_guard_word_sum(number, sizeof number);
+}
+
+/*
+ * Compute row j of the matrix by which the fault detector estimates the voltage errors of the
+ * electrodes from the readings (least squares), without regularisation.
+ */
+static void derive_row(pzs_pulse_detector_state *state, uint32_t j)
+{
+    const pzs_selftest_tables *tables = state->tables;
+    const uint32_t inputs = tables->inputs;
+    if (j == 0)
+        memset(state->columns.inverse, 0, PZS_DENSE(inputs) * sizeof(pzs_real));
+    for (uint32_t k = 0; k <= j; k++) {
+        pzs_real sum = 0;
+        for (uint32_t i = 0; i < tables->sensors; i++) {
+            const pzs_real *row = state->direct + (size_t)i * inputs;
+            sum += square(tables->scale[i]) * row[j] * row[k];
+        }
+        *pzs_linalg_entry(&state->columns, j, k) = sum;
+    }
+    state->diagonal[j] = *pzs_linalg_entry(&state->columns, j, j);
+}
+
+/* Add the regularisation to the matrix, and factor it. Returns whether the matrix is regular. */
+static bool factor_matrix(pzs_pulse_detector_state *state)
+{
+    const uint32_t inputs = state->tables->inputs;
+    pzs_real trace = 0;
+    for (uint32_t j = 0; j < inputs; j++)
+        trace += state->diagonal[j];
+    state->ridge = RIDGE * trace / (pzs_real)inputs;
+    for (uint32_t j = 0; j < inputs; j++)
+        *pzs_linalg_entry(&state->columns, j, j) += state->ridge;
+    return state->ridge > 0 && pzs_linalg_factor(&state->columns).zero < 0;
+}
+
+/*
+ * Compute the resolution of electrode j (0 to 1): the part of a missing voltage that the
+ * least-squares estimate assigns to the electrode itself, if no other electrode lacks a voltage.
+ * The estimate spreads the rest over electrodes that move the sensors in similar ways. It is an
+ * entry of the diagonal of the resolution matrix.
+ */
+static void derive_resolution(pzs_pulse_detector_state *state, uint32_t j)
+{
+    memset(state->resolved, 0, state->tables->inputs * sizeof *state->resolved);
+    state->resolved[j] = 1;
+    pzs_linalg_solve(&state->columns, state->resolved);
+    state->resolution[j] = 1 - state->ridge * state->resolved[j];
+}
+
+/* Compute the factor of the thresholds where the sensors are few. */
+static void derive_share_factor(pzs_pulse_detector_state *state)
+{
+    pzs_real trace = 0;
+    for (uint32_t j = 0; j < state->tables->inputs; j++)
+        trace += state->resolution[j];
+    state->share_factor = trace < MANY_READINGS ? (2 + MANY_READINGS / trace) / 3 : 1;
+}
+
+/*
+ * Compute which part of the modelled response of each electrode has the shape of the first
+ * vibration mode and is left out when readings are compared with the model during test pulses.
+ */
+static void derive_vibrating(pzs_pulse_detector_state *state)
+{
+    const pzs_selftest_tables *tables = state->tables;
+    state->mode_square = 0;
+    for (uint32_t i = 0; i < tables->sensors; i++)
+        state->mode_square += square(tables->scale[i] * mode_reading(state, i));
+    state->mode_square *= 1 + PZS_PULSE_MODE_WEIGHT;
+    memset(state->vibrating, 0, tables->inputs * sizeof *state->vibrating);
+    for (uint32_t j = 0; j < tables->inputs && state->mode_square > 0; j++) {
+        pzs_real both = 0;
+        for (uint32_t i = 0; i < tables->sensors; i++)
+            both += square(tables->scale[i]) * mode_reading(state, i) *
+                    state->direct[(size_t)i * tables->inputs + j];
+        state->vibrating[j] = both / state->mode_square;
+    }
+}
+
+/*
+ * Compute the sum of the squared weighted output changes that a full test pulse of an electrode
+ * causes, the smallest one of all electrodes whose faults can be found. A change of the target
+ * shape much smaller than this counts as no motion.
+ */
+static void derive_least_energy(pzs_pulse_detector_state *state)
+{
+    const pzs_problem *problem = state->control->state.problem;
+    state->least_energy = (pzs_real)INFINITY;
+    for (uint32_t j = 0; j < problem->inputs; j++) {
+        pzs_real energy = 0;
+        for (uint32_t i = 0; i < problem->outputs; i++)
+            energy += square(problem->weight[i] *
+                             state->control->state.influence[(size_t)i * problem->inputs + j]);
+        energy *= square(state->tables->amplitude[j]);
+        if (state->electrode[j] != PZS_ELECTRODE_UNOBSERVABLE && energy < state->least_energy)
+            state->least_energy = energy;
+    }
+}
+
+/* Derive the number that depends on the states of the electrodes, and the checksum. */
+static void derive_last(pzs_pulse_detector_state *state)
+{
+    derive_least_energy(state);
+    state->sum = sum_of_constants(state);
+}
+
+/*
+ * Make one tick of the derivation of the constants. Returns false if the matrix of the estimate is
+ * singular.
+ *   tick in  0 to 2 inputs + 1
+ */
+static bool derive(pzs_pulse_detector_state *state, uint32_t tick)
+{
+    const uint32_t inputs = state->tables->inputs;
+    if (tick < inputs) {
+        derive_row(state, tick);
+    } else if (tick == inputs) {
+        return factor_matrix(state);
+    } else if (tick <= 2u * inputs) {
+        derive_resolution(state, tick - inputs - 1u);
+    } else {
+        derive_share_factor(state);
+        derive_vibrating(state);
+    }
+    return true;
+}
+
+/* Begin to derive the constants again if memory was damaged. Returns whether it was. */
+static bool repair_constants(pzs_pulse_detector_state *state)
+{
+    if (state->sum == sum_of_constants(state))
+        return false;
+    end_proof(state);
+    begin(state, DERIVING);
+    return true;
+}
+
+/* Make one tick in which the constants are derived again. */
+static void derive_again(pzs_pulse_detector_state *state)
+{
+    const uint32_t tick = state->position++;
+    (void)derive(state, tick);
+    if (tick <= 2u * state->tables->inputs)
+        return;
+    derive_last(state);
+    begin(state, WAITING);
+}
+
+/* ---- evaluation of test pulses -------------------------------------------- */
 
 /*
  * Decide what a measured test pulse proves about the suspected electrode: that it is healthy, that
@@ -1518,6 +1749,8 @@ static uint32_t judge(pzs_pulse_detector *detector)
     if (!has_measured(state))
         return NO_INPUT;
     detector->info.gain = response->gain[SUSPECT];
+    if (repair_constants(state))
+        return NO_INPUT;
     begin(state, PULSING);
     if (response->is_measured && is_reference_silent(response))
         exchange_electrodes(state);
@@ -1534,21 +1767,38 @@ static uint32_t judge(pzs_pulse_detector *detector)
 /* ---- tick ----------------------------------------------------------------- */
 
 /*
- * Update the states of the electrodes after a window in which readings were averaged. Electrodes
- * that have passed a test are suspected again after a number of windows. A faulty electrode that
- * the program has released by pzs_release is observed again.
+ * Update the state of electrode j after a window in which readings were averaged. An electrode that
+ * has passed a test is suspected again after a number of windows. A faulty electrode that the
+ * program has released by pzs_release is observed again. States that damaged memory has changed are
+ * corrected.
  */
+static void update_state(pzs_pulse_detector_state *state, uint32_t j)
+{
+    uint8_t *const electrode = &state->electrode[j], *const pause = &state->pause[j];
+    const bool is_marked = *electrode == PZS_ELECTRODE_UNOBSERVABLE && *pause > CLEARED_HALVES;
+    const bool was_held = *electrode == PZS_ELECTRODE_HELD || state->control->state.faulty[j] != 0;
+    const bool is_cleared =
+        *electrode == PZS_ELECTRODE_CLEARED && *pause > 1u && *pause <= CLEARED_HALVES;
+    if (is_marked || *pause == UNOBSERVABLE) {
+        *electrode = PZS_ELECTRODE_UNOBSERVABLE;
+        *pause = UNOBSERVABLE;
+    } else if (was_held && is_held(state->control, j)) {
+        *electrode = PZS_ELECTRODE_HELD;
+    } else if (is_cleared) {
+        --*pause;
+    } else {
+        *electrode = PZS_ELECTRODE_OBSERVED;
+        *pause = 0;
+    }
+    if (*electrode != PZS_ELECTRODE_HELD)
+        state->fault[j] = PZS_FAULT_NONE;
+}
+
+/* Update the states of all electrodes after a window. */
 static void update_states(pzs_pulse_detector_state *state)
 {
-    for (uint32_t j = 0; j < state->tables->inputs; j++) {
-        const bool was_held = state->electrode[j] == PZS_ELECTRODE_HELD;
-        if (state->electrode[j] == PZS_ELECTRODE_CLEARED && --state->pause[j] == 0)
-            state->electrode[j] = PZS_ELECTRODE_OBSERVED;
-        if (was_held && !is_held(state->control, j)) {
-            state->electrode[j] = PZS_ELECTRODE_OBSERVED;
-            state->fault[j] = PZS_FAULT_NONE;
-        }
-    }
+    for (uint32_t j = 0; j < state->tables->inputs; j++)
+        update_state(state, j);
 }
 
 /*
@@ -1650,6 +1900,8 @@ static void end_window(pzs_pulse_detector_state *state)
         return;
     }
     state->half_moved = has_moved_now;
+    if (repair_constants(state))
+        return;
     if (is_first) {
         begin_half(state, false);
         return;
@@ -1687,6 +1939,10 @@ static uint32_t run_phase(pzs_pulse_detector *detector, const pzs_real *voltage)
         return judge(detector);
     if (state->phase == COMPARING) {
         compare(state);
+        return NO_INPUT;
+    }
+    if (state->phase == DERIVING) {
+        derive_again(state);
         return NO_INPUT;
     }
     if (is_pause_over(state)) {
@@ -1736,76 +1992,6 @@ static size_t block_bytes(const void *tables, const pzs_problem *problem)
 }
 
 /*
- * Compute the resolution of each electrode (0 to 1): the part of a missing voltage that the
- * least-squares estimate assigns to the electrode itself, if no other electrode lacks a voltage.
- * The estimate spreads the rest over electrodes that move the sensors in similar ways. It is the
- * diagonal of the resolution matrix.
- */
-static void find_resolutions(pzs_pulse_detector_state *state)
-{
-    const uint32_t inputs = state->tables->inputs;
-    pzs_real trace = 0;
-    for (uint32_t j = 0; j < inputs; j++) {
-        memset(state->resolved, 0, inputs * sizeof *state->resolved);
-        state->resolved[j] = 1;
-        pzs_linalg_solve(&state->columns, state->resolved);
-        state->resolution[j] = 1 - state->ridge * state->resolved[j];
-        trace += state->resolution[j];
-    }
-    state->share_factor = trace < MANY_READINGS ? (2 + MANY_READINGS / trace) / 3 : 1;
-}
-
-/*
- * Compute which part of the modelled response of each electrode has the shape of the first
- * vibration mode and is left out when readings are compared with the model during test pulses.
- */
-static void find_vibrating(pzs_pulse_detector_state *state)
-{
-    const pzs_selftest_tables *tables = state->tables;
-    for (uint32_t i = 0; i < tables->sensors; i++)
-        state->mode_square += square(tables->scale[i] * mode_reading(state, i));
-    state->mode_square *= 1 + PZS_PULSE_MODE_WEIGHT;
-    for (uint32_t j = 0; j < tables->inputs && state->mode_square > 0; j++) {
-        pzs_real both = 0;
-        for (uint32_t i = 0; i < tables->sensors; i++)
-            both += square(tables->scale[i]) * mode_reading(state, i) *
-                    state->direct[(size_t)i * tables->inputs + j];
-        state->vibrating[j] = both / state->mode_square;
-    }
-}
-
-/*
- * Compute and factor the matrix by which the fault detector estimates the voltage errors of the
- * electrodes from the readings (least squares). Returns whether the matrix is regular.
- */
-static bool factor_matrix(pzs_pulse_detector_state *state)
-{
-    const pzs_selftest_tables *tables = state->tables;
-    const uint32_t inputs = tables->inputs;
-    pzs_real trace = 0;
-    for (uint32_t j = 0; j < inputs; j++)
-        for (uint32_t k = 0; k <= j; k++) {
-            pzs_real sum = 0;
-            for (uint32_t i = 0; i < tables->sensors; i++) {
-                const pzs_real *row = state->direct + (size_t)i * inputs;
-                sum += square(tables->scale[i]) * row[j] * row[k];
-            }
-            *pzs_linalg_entry(&state->columns, j, k) = sum;
-        }
-    for (uint32_t j = 0; j < inputs; j++) {
-        state->diagonal[j] = *pzs_linalg_entry(&state->columns, j, j);
-        trace += state->diagonal[j];
-    }
-    state->ridge = RIDGE * trace / (pzs_real)inputs;
-    for (uint32_t j = 0; j < inputs; j++)
-        *pzs_linalg_entry(&state->columns, j, j) += state->ridge;
-    if (!(state->ridge > 0) || pzs_linalg_factor(&state->columns).zero >= 0)
-        return false;
-    find_resolutions(state);
-    return true;
-}
-
-/*
  * Whether a fault of electrode j can be found. Three conditions must hold: the electrode has a test
  * pulse, the readings show which electrode lacks a voltage, and there is another electrode whose
  * response to a test pulse differs in shape.
@@ -1824,28 +2010,16 @@ static bool can_be_tested(pzs_pulse_detector_state *state, uint32_t j)
     return false;
 }
 
-/*
- * Mark the electrodes whose faults cannot be found. For all others compute the sum of the squared
- * weighted output changes that a full test pulse causes, and keep the smallest sum. A change of the
- * target shape much smaller than this counts as no motion.
- */
+/* Mark the electrodes whose faults cannot be found. */
 static void find_unobservable(pzs_pulse_detector *detector)
 {
     pzs_pulse_detector_state *state = &detector->state;
-    const pzs_problem *problem = state->control->state.problem;
-    state->least_energy = (pzs_real)INFINITY;
-    for (uint32_t j = 0; j < problem->inputs; j++) {
-        pzs_real energy = 0;
-        for (uint32_t i = 0; i < problem->outputs; i++)
-            energy += square(problem->weight[i] *
-                             state->control->state.influence[(size_t)i * problem->inputs + j]);
-        energy *= square(state->tables->amplitude[j]);
+    for (uint32_t j = 0; j < state->tables->inputs; j++) {
         const bool is_observable = can_be_tested(state, j);
         state->electrode[j] = is_observable ? PZS_ELECTRODE_OBSERVED : PZS_ELECTRODE_UNOBSERVABLE;
+        state->pause[j] = is_observable ? 0 : UNOBSERVABLE;
         detector->info.unobservable =
             (uint16_t)(detector->info.unobservable + (is_observable ? 0u : 1u));
-        if (is_observable && energy < state->least_energy)
-            state->least_energy = energy;
     }
 }
 
@@ -1874,13 +2048,15 @@ static pzs_status block_init(void *self, const void *tables, pzs_loop_signals *s
         return PZS_E_ARGUMENT;
     memset(detector, 0, block_bytes(tables, problem));
     detector->state.suspect = NO_INPUT;
+    detector->state.reference = NO_INPUT;
     clear_candidates(&detector->state);
     place(detector, signals);
     detector->info.where = -1;
-    find_vibrating(&detector->state);
-    if (!factor_matrix(&detector->state))
-        return PZS_E_NONFINITE;
+    for (uint32_t tick = 0; tick < 2u * problem->inputs + 2u; tick++)
+        if (!derive(&detector->state, tick))
+            return PZS_E_NONFINITE;
     find_unobservable(detector);
+    derive_last(&detector->state);
     signals->control->state.is_paused = false;
     return PZS_OK;
 }
@@ -1890,6 +2066,7 @@ static pzs_status block_tick(void *self, pzs_loop_signals *signals)
     pzs_pulse_detector *detector = self;
     pzs_pulse_detector_state *state = &detector->state;
     place(detector, signals);
+    repair_phase(state);
     take_readings(state, signals->readings);
     state->compensator = signals->compensator;
     const bool has_moved = has_target_moved(state, signals->wanted) || was_taken_over(state);

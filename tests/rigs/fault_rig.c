@@ -9,6 +9,7 @@
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
+#include "ceramic_sweep.h"
 #include "../../host_tools/simulate/random.h"
 
 enum { MODES = 20 };
@@ -29,24 +30,64 @@ static int write_hysteresis(char *change, size_t bytes, double width, double lim
                     4 * slack, weight, weight, weight, weight);
 }
 
-/* Write all changes of the scene of a structure. */
-static void write_changes(char *change, size_t bytes, const fault_structure *structure,
-                          double compensated)
+/*
+ * Write the changes of a scene that make its loop compensate the hysteresis and creep that a sweep
+ * of a ceramic shows, at 1 kHz. Returns 0, or -1 with error filled.
+ */
+static int write_identified(char *change, size_t bytes, const test_ceramic *resting, char *error)
+{
+    enum { PLAYS = 8 };
+    const double interval = 1e-3;
+    static ceramic_sweep record;
+    static test_ceramic swept;
+    identification found;
+    swept = *resting;
+    ceramic_sweep_measure(&record, &swept, interval, 1);
+    if (identify(&found, &record.sweep, PLAYS, 1, error) < 0)
+        return -1;
+    ceramic_sweep_section(&found.hysteresis, change, bytes);
+    return 0;
+}
+
+/* Write all changes of the scene of a structure. Returns 0, or -1 with error filled. */
+static int write_changes(char *change, size_t bytes, const fault_structure *structure,
+                         double compensated, const test_ceramic *resting, char *error)
 {
     int used = snprintf(change, bytes, "%s", structure->changes);
     if (*structure->readings)
         used += snprintf(change + used, bytes - (size_t)used,
                          "estimate={readings: [%s], tolerance: 0.9};", structure->readings);
+    if (resting)
+        return write_identified(change + used, bytes - (size_t)used, resting, error);
     if (compensated > 0)
         (void)write_hysteresis(change + used, bytes - (size_t)used, compensated, structure->limit);
+    return 0;
 }
 
-int fault_rig_open(fault_rig *rig, const fault_structure *structure, double compensated)
+/* Make a ceramic at rest. Returns whether there is memory for it. */
+static bool open_ceramic(fault_rig *rig, const fault_structure *structure,
+                         const fault_ceramic *ceramic)
+{
+    rig->resting = calloc(1, sizeof *rig->resting);
+    if (!rig->resting)
+        return false;
+    open_test_ceramic(rig->resting, ceramic->family, structure->limit, ceramic->width,
+                      ceramic->creep);
+    rig->rest = ceramic_act(rig->resting, 0, 0);
+    return true;
+}
+
+int fault_rig_open(fault_rig *rig, const fault_structure *structure, double compensated,
+                   const fault_ceramic *ceramic)
 {
     char change[20000];
     damped_plant *plant = &rig->plant;
     memset(rig, 0, sizeof *rig);
-    write_changes(change, sizeof change, structure, compensated);
+    if (ceramic && !open_ceramic(rig, structure, ceramic))
+        return damped_plant_complain(plant, "out of memory");
+    if (write_changes(change, sizeof change, structure, compensated, rig->resting,
+                      plant->run.error) < 0)
+        return damped_plant_complain(plant, plant->run.error);
     if (damped_plant_open_loop(plant, structure->scene, change) < 0 ||
         damped_plant_open_structure(plant, &plant->run.analysis, MODES) < 0)
         return -1;
@@ -55,7 +96,8 @@ int fault_rig_open(fault_rig *rig, const fault_structure *structure, double comp
     rig->load = calloc(plant->inputs, sizeof *rig->load);
     rig->sum = calloc(plant->all, sizeof *rig->sum);
     rig->readings = calloc(plant->sensors, sizeof *rig->readings);
-    const bool has_memory = rig->load && rig->sum && rig->readings;
+    rig->ceramic = ceramic ? calloc(plant->inputs, sizeof *rig->ceramic) : NULL;
+    const bool has_memory = rig->load && rig->sum && rig->readings && (rig->ceramic || !ceramic);
     return has_memory ? 0 : damped_plant_complain(plant, "out of memory");
 }
 
@@ -64,6 +106,8 @@ void fault_rig_close(fault_rig *rig)
     free(rig->load);
     free(rig->sum);
     free(rig->readings);
+    free(rig->resting);
+    free(rig->ceramic);
     damped_plant_close(&rig->plant);
 }
 
@@ -74,6 +118,8 @@ void fault_rig_start(fault_rig *rig, uint64_t seed, double gain, double frequenc
     memset(rig->load, 0, rig->plant.inputs * sizeof *rig->load);
     memset(rig->sum, 0, rig->plant.all * sizeof *rig->sum);
     memset(rig->fault, 0, sizeof rig->fault);
+    for (size_t j = 0; j < rig->plant.inputs && rig->ceramic; j++)
+        rig->ceramic[j] = *rig->resting;
     rig->every = every;
     rig->next_jump = 0;
     rig->plant.random = seed;
@@ -95,16 +141,40 @@ static void read_sensors(fault_rig *rig)
                            rig->noise * random_noise(&plant->random);
 }
 
+/* Set the voltage of the ceramic of electrode j, which may be faulty. */
+static void give_voltage(fault_rig *rig, size_t j)
+{
+    const double voltage = rig->plant.loop.info.voltage[j];
+    switch (rig->fault[j]) {
+    case PZS_FAULT_NONE: rig->given[j] = voltage; break;
+    case PZS_FAULT_DEAD: rig->given[j] = 0; break;
+    case PZS_FAULT_STUCK: break;
+    case PZS_FAULT_REVERSED: rig->given[j] = -voltage; break;
+    }
+}
+
+/*
+ * Effect of electrode j (V). The ceramic of a dead or stuck electrode creeps on; plays do not
+ * creep, and a dead electrode with plays has no effect.
+ */
+static double effect_of(fault_rig *rig, size_t j)
+{
+    damped_plant *plant = &rig->plant;
+    const double interval = 1 / plant->run.analysis.design.control.rate;
+    if (rig->ceramic)
+        return ceramic_act(&rig->ceramic[j], rig->given[j], interval) - rig->rest;
+    if (rig->fault[j] == PZS_FAULT_DEAD)
+        return 0;
+    return damped_plant_act(plant, j, rig->given[j]);
+}
+
 /* Let the voltages of the loop act on the electrodes, some of which are faulty. */
 static void actuate(fault_rig *rig)
 {
     damped_plant *plant = &rig->plant;
     for (size_t j = 0; j < plant->inputs; j++) {
-        const double sign = rig->fault[j] == PZS_FAULT_REVERSED ? -1 : 1;
-        if (rig->fault[j] == PZS_FAULT_DEAD)
-            plant->acting[j] = 0;
-        else if (rig->fault[j] != PZS_FAULT_STUCK)
-            plant->acting[j] = damped_plant_act(plant, j, sign * plant->loop.info.voltage[j]);
+        give_voltage(rig, j);
+        plant->acting[j] = effect_of(rig, j);
         rig->sum[j] = plant->acting[j] + rig->load[j];
     }
 }

@@ -8,6 +8,7 @@
 #ifndef FAULT_RIG_H
 #define FAULT_RIG_H
 
+#include "ceramics.h"
 #include "damped_plant.h"
 
 enum { FAULT_RIG_INPUTS = 80 };
@@ -22,6 +23,13 @@ typedef struct fault_structure {
                              node is measured */
 } fault_structure;
 
+/* Ceramic of a family of its own, with creep. The loop compensates what a sweep has shown of it. */
+typedef struct fault_ceramic {
+    ceramic_family family;
+    double width; /* width of the hysteresis loop, relative to the voltage range */
+    double creep; /* final creep of each time constant, relative to the voltage */
+} fault_ceramic;
+
 typedef struct fault_rig {
     damped_plant plant;
     double noise, missed; /* RMS noise of a reading (m), and chance that a tick is missed */
@@ -31,6 +39,11 @@ typedef struct fault_rig {
                              load (V) */
     double *readings;     /* [sensors] readings (m) */
     pzs_electrode_fault fault[FAULT_RIG_INPUTS];
+    test_ceramic *resting, *ceramic; /* ceramic at rest, and [inputs] that of each electrode; NULL:
+                                        the plays of the plant */
+    double given[FAULT_RIG_INPUTS];  /* last voltage of the ceramic of each electrode (V) */
+    double rest;                     /* effect of the ceramic at rest, from which the structure
+                                        is measured (V) */
     int next_jump, every; /* tick of the next target; mean number of ticks between targets */
 } fault_rig;
 
@@ -38,15 +51,20 @@ typedef struct fault_rig {
  * Open a rig.
  *   compensated in  width, relative to the voltage range, of the hysteresis loop that the control
  *                   loop compensates; 0: no compensation
+ *   ceramic     in  ceramic of all electrodes, of which the loop compensates what `pzs calibrate
+ *                   --hysteresis` would identify from a sweep; NULL: plays, compensated as
+ *                   `compensated` says
  * Returns 0, or -1 after a message; the rig must be closed in either case.
  */
-int fault_rig_open(fault_rig *rig, const fault_structure *structure, double compensated);
+int fault_rig_open(fault_rig *rig, const fault_structure *structure, double compensated,
+                   const fault_ceramic *ceramic);
 void fault_rig_close(fault_rig *rig);
 
 /*
  * Return loop and structure to rest at zero voltages, without faults.
  *   gain      in  static response of the structure relative to the model
  *   frequency in  natural frequencies of the structure relative to the model
+ *   hysteresis in  width of the hysteresis loop of the plays, relative to the voltage range
  *   every     in  mean number of ticks between jumps of the target
  */
 void fault_rig_start(fault_rig *rig, uint64_t seed, double gain, double frequency,

@@ -21,7 +21,24 @@ typedef struct flip_plant {
     const pzs_real *load; /* [outputs] shape under a known load, which acts while the target is not
                              negative (m); NULL: there is none */
     size_t first_sensor;  /* the readings are the outputs from this one on */
+    size_t dead_inputs;   /* number of electrodes, from the first on, that have no effect */
+    size_t bad_sensors;   /* number of sensors, from the first on, whose readings are half of the
+                             largest target too high from tick FLIP_BAD on */
+    double push;          /* shape under an unknown load, as a multiple of the target */
+    double push_ticks;    /* ticks in which the load grows to that */
+    bool is_reversed;     /* whether the amplifiers have the wrong polarity */
 } flip_plant;
+
+enum {
+    FLIP_BAD = 20,
+    FLIP_AIMS = 4 /* largest number of parts of the memory that are hit more often */
+};
+
+/* Part of the working memory. */
+typedef struct flip_region {
+    void *memory;
+    size_t bytes;
+} flip_region;
 
 typedef struct flip_rig {
     const flip_plant *plant;
@@ -40,6 +57,8 @@ typedef struct flip_rig {
     pzs_real *readings; /* [outputs] */
     pzs_real *wanted;   /* [outputs] (m) */
     uint64_t seed;
+    flip_region aim[FLIP_AIMS]; /* parts of the memory that half of the flips hit */
+    size_t aims;
 } flip_rig;
 
 /*
@@ -48,6 +67,12 @@ typedef struct flip_rig {
  */
 void flip_rig_open(flip_rig *rig, const flip_plant *plant, const pzs_block *blocks, size_t count);
 void flip_rig_close(flip_rig *rig);
+
+/*
+ * Let half of the flips hit the first `bytes` of a block's memory, or one of those of earlier
+ * calls.
+ */
+void flip_rig_aim(flip_rig *rig, const pzs_block_type *type, size_t bytes);
 
 /* Begin with the plant in static equilibrium and the first tick before control begins. */
 void flip_rig_begin(flip_rig *rig);
@@ -70,7 +95,10 @@ pzs_status flip_rig_tick(flip_rig *rig, pzs_real factor);
  */
 int flip_rig_take(flip_rig *rig);
 
-/* Difference of the shapes that two sets of voltages make, relative to the target. */
+/*
+ * Difference of the shapes that two sets of voltages make, relative to the target. Dead electrodes
+ * make none.
+ */
 double flip_rig_difference(const flip_plant *plant, const pzs_real *one, const pzs_real *other);
 
 /* ---- laws ------------------------------------------------------------------ */
@@ -78,6 +106,8 @@ double flip_rig_difference(const flip_plant *plant, const pzs_real *one, const p
 /* What a sweep of flips has found. */
 typedef struct flip_count {
     long flips, beyond, errors, told, silent;
+    long lost;      /* windows after which other electrodes are held as faulty, and the loop runs as
+                       without damage */
     double largest; /* largest difference of the shape on the way, without a status that tells of it
                      */
     double last;    /* the same at the end of the windows */
@@ -92,7 +122,9 @@ flip_count flip_rig_limits(flip_rig *rig, long flips, pzs_real (*wave)(long tick
 
 /* Windows in which flips are followed. */
 typedef struct flip_window {
-    long moving; /* ticks in which a bit may flip; the target moves in twice as many */
+    long first;  /* first tick in which a bit may flip */
+    long moving; /* first tick after those in which a bit may flip; the target moves in twice as
+                    many ticks */
     long ticks;  /* length of a window */
     pzs_real (*wave)(long tick); /* factor of the target in a tick */
 } flip_window;
@@ -100,10 +132,18 @@ typedef struct flip_window {
 /* Factor of the target in a tick of a window. */
 pzs_real flip_rig_factor(const flip_window *window, long tick);
 
+/*
+ * Law: in the states that a window passes through, each flip leaves the voltages of the next three
+ * ticks finite and inside limits and step limits. After each flip the state of loop and plant is
+ * that before the flip again.
+ */
+flip_count flip_rig_states(flip_rig *rig, long flips, const flip_window *window);
+
 /* What a loop without damage does in the ticks of a window. */
 typedef struct flip_run {
     pzs_status *status; /* [ticks] */
     pzs_real *given;    /* [ticks][inputs] (V) */
+    bool *held;         /* [inputs] electrodes that are held as faulty at the end */
 } flip_run;
 flip_run flip_rig_run(flip_rig *rig, const flip_window *window);
 void flip_run_close(const flip_run *run);

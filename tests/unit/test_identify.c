@@ -10,53 +10,16 @@
 #include <stdio.h>
 #include <stdlib.h>
 #include <cmocka.h>
-#include "../rigs/ceramics.h"
+#include "../rigs/ceramic_sweep.h"
 #include "../rigs/scene_run.h"
-#include "../rigs/uniform.h"
 #include "../../host_tools/model/certificate_make.h"
 #include "../../host_tools/model/compensation.h"
-#include "../../host_tools/model/identify.h"
 #include "../../host_tools/simulate/certify.h"
 #include "../../host_tools/simulate/storm.h"
 #include "../../lib/control/hysteresis.h"
 
-enum { REVERSALS = 7, HALF = 39, HOLD = 300, EVERY = 3, MOST = 4000 };
 static const double limit = 300, interval = 1e-3;
 static const char *const family_name[FAMILIES] = {"Bouc-Wen", "Preisach", "plays"};
-
-/* A sweep with its samples. */
-typedef struct record {
-    size_t count;
-    double voltage[MOST], position[MOST];
-    sweep sweep;
-} record;
-
-static void go_to(record *r, double voltage, int steps)
-{
-    const double from = r->count > 0 ? r->voltage[r->count - 1] : 0;
-    for (int i = 1; i <= steps; i++)
-        for (int k = 0; k < EVERY; k++)
-            r->voltage[r->count++] = from + (voltage - from) * i / steps;
-}
-
-/* Fading triangle, then a constant voltage; 0.2 % of noise. */
-static void measure_sweep(record *r, test_ceramic *c, double gain)
-{
-    unsigned seed = 3;
-    r->count = 0;
-    go_to(r, 0, 1);
-    for (int k = 0; k < REVERSALS; k++) {
-        const double part = 1 - 0.85 * k / (REVERSALS - 1);
-        go_to(r, part * limit, HALF);
-        go_to(r, -part * limit, HALF);
-    }
-    go_to(r, 0.5 * limit, 19);
-    go_to(r, 0.5 * limit, HOLD);
-    for (size_t i = 0; i < r->count; i++)
-        r->position[i] = gain * (ceramic_act(c, r->voltage[i], interval) +
-                                 uniform(&seed, -0.0035, 0.0035) * limit);
-    r->sweep = (sweep){r->count, r->voltage, r->position, 1 / interval};
-}
 
 /* The compensation that a sweep gives. */
 static void compensate(compensation *compensation, const identification *found)
@@ -112,13 +75,13 @@ static void test_open_loop(void **state)
     (void)state;
     for (int family = 0; family < FAMILIES; family++) {
         static test_ceramic c;
-        static record r;
+        static ceramic_sweep r;
         identification found;
         compensation inverse;
         char error[SCENE_ERROR];
         double bare[2], left[2];
         open_test_ceramic(&c, (ceramic_family)family, limit, 0.2, 0.03);
-        measure_sweep(&r, &c, 1);
+        ceramic_sweep_measure(&r, &c, interval, 1);
         if (identify(&found, &r.sweep, 8, 1, error) < 0)
             fail_msg("%s", error);
         compensate(&inverse, &found);
@@ -142,7 +105,7 @@ static void test_open_loop(void **state)
  */
 static void test_own_numbers(void **state)
 {
-    static record r;
+    static ceramic_sweep r;
     static test_ceramic unused;
     identification first, again;
     compensation known;
@@ -151,7 +114,7 @@ static void test_own_numbers(void **state)
     const hysteresis_memory memory = {play, creep};
     (void)state;
     open_test_ceramic(&unused, PLAYS_FAMILY, limit, 0.2, 0.03);
-    measure_sweep(&r, &unused, 1);
+    ceramic_sweep_measure(&r, &unused, interval, 1);
     assert_int_equal(identify(&first, &r.sweep, 8, 0, error), 0);
     first.hysteresis.below = first.hysteresis.above;
     for (int j = 1; j < first.hysteresis.creep.count; j++)
@@ -207,24 +170,6 @@ static void open_plate(plate_ceramic *plate, ceramic_family family, double width
     }
 }
 
-/* The section of a scene, as after --set. */
-static void section_text(const scene_hysteresis *h, char *text, size_t room)
-{
-    const scene_short_list *const list[] = {&h->slope, &h->slack,      &h->above,
-                                            &h->below, &h->creep_time, &h->creep};
-    static const char *const key[] = {"slopes", "slack", "above", "below", "creep_time", "creep"};
-    size_t at = (size_t)snprintf(text, room, "hysteresis={range: [%g, %g], offset: %g", h->range[0],
-                                 h->range[1], h->offset);
-    for (int i = 0; i < 6; i++) {
-        at += (size_t)snprintf(text + at, room - at, ", %s: [", key[i]);
-        for (int k = 0; k < list[i]->count; k++)
-            at +=
-                (size_t)snprintf(text + at, room - at, "%s%.9g", k ? ", " : "", list[i]->value[k]);
-        at += (size_t)snprintf(text + at, room - at, "]");
-    }
-    (void)snprintf(text + at, room - at, "}");
-}
-
 /* Storms that settle, of one on each structure; *worst: the farthest end. */
 static int count_settled(const storm_rig *rig, ceramic_family family, double width, double *worst)
 {
@@ -260,15 +205,15 @@ static void test_storms(void **state)
     (void)state;
     for (int family = 0; family < PLAYS_FAMILY; family++) {
         static test_ceramic c;
-        static record r;
+        static ceramic_sweep r;
         scene_run run;
         identification found;
         char error[SCENE_ERROR], changes[2000] = LINEAR_PLATE;
         const size_t used = sizeof LINEAR_PLATE - 1;
         open_test_ceramic(&c, (ceramic_family)family, limit, 0.2, 0.03);
-        measure_sweep(&r, &c, 1);
+        ceramic_sweep_measure(&r, &c, interval, 1);
         assert_int_equal(identify(&found, &r.sweep, 8, 1, error), 0);
-        section_text(&found.hysteresis, changes + used, sizeof changes - used);
+        ceramic_sweep_section(&found.hysteresis, changes + used, sizeof changes - used);
         if (scene_run_open(&run, "plate-closed-loop", changes) < 0 ||
             analysis_influence(&run.analysis, run.error) < 0)
             fail_msg("%s", run.error);
@@ -303,13 +248,13 @@ static void test_storms(void **state)
 /* What is no sweep is refused by name. */
 static void test_refused(void **state)
 {
-    static record r;
+    static ceramic_sweep r;
     static test_ceramic c;
     identification found;
     char error[SCENE_ERROR];
     (void)state;
     open_test_ceramic(&c, PLAYS_FAMILY, limit, 0.1, 0);
-    measure_sweep(&r, &c, -1);
+    ceramic_sweep_measure(&r, &c, interval, -1);
     assert_int_equal(identify(&found, &r.sweep, 8, 0, error), -1);
     assert_non_null(strstr(error, "does not rise with the voltage"));
     r.position[17] = NAN;
