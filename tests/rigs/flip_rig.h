@@ -106,8 +106,9 @@ double flip_rig_difference(const flip_plant *plant, const pzs_real *one, const p
 /* What a sweep of flips has found. */
 typedef struct flip_count {
     long flips, beyond, errors, told, silent;
-    long lost;      /* windows after which other electrodes are held as faulty, and the loop runs as
-                       without damage */
+    long lost;      /* windows after which other electrodes are held as faulty for good, and the
+                       loop runs as without damage */
+    long latest;    /* most ticks after a window until the same electrodes are held as faulty */
     double largest; /* largest difference of the shape on the way, without a status that tells of it
                      */
     double last;    /* the same at the end of the windows */

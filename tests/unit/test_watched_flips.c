@@ -146,7 +146,7 @@ static void test_limits(void **state)
 /*
  * Laws of bits that flip in a window: no voltage leaves its limits, and a loop with a flipped bit
  * ends where a loop without one ends, or a status has told of the damage. In a loop that runs on,
- * the same electrodes are held as faulty.
+ * the same electrodes are held as faulty, at once or after further motions of the target.
  */
 static void try_window(flip_rig *rig, const loop_case *loop)
 {
