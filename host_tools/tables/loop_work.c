@@ -314,5 +314,8 @@ static double free_functions_work(const block_counts *of, const loop_processor *
 double loop_work_supervisor(const block_counts *of, const loop_processor *on)
 {
     const double both = second_prediction(of, on) + free_functions_work(of, on);
-    return of->is_damped ? loops(of, on, 16, 45, 930) + both : loops(of, on, 45, 60, 1200) + both;
+    const size_t modes = of->modes < PZS_GAIN_MODES ? of->modes : PZS_GAIN_MODES;
+    const double gain = on->other * (35 * (double)modes);
+    return of->is_damped ? loops(of, on, 13.5, 45, 1232) + gain + both
+                         : loops(of, on, 45, 60, 1200) + both;
 }
