@@ -174,8 +174,8 @@ double loop_work_vibration(const block_counts *of, const loop_processor *on)
     const double filtered = modes == 0 ? 4 * (double)sensors : 0; /* low-pass filter of readings */
     return weighed + 4 * product(on, sensors, modes) + 2 * product(on, modes, of->inputs) +
            4 * product(on, modes, modes) + few + second_prediction(of, on) +
-           on->other * (77 * (double)sensors + 60 * (double)modes +
-                        predicted * (22 * (double)modes + 80) + protected_rows + filtered + 970);
+           on->other * (76.5 * (double)sensors + 60 * (double)modes +
+                        predicted * (22 * (double)modes + 80) + protected_rows + filtered + 1030.5);
 }
 
 /*
