@@ -1032,6 +1032,39 @@ typedef struct pzs_polarity_test_state {
     uint32_t tests;     /* number of tests in which the structure answered as predicted */
 } pzs_polarity_test_state;
 
+/* Largest number of vibration modes whose motion the gain monitor compares. */
+#define PZS_GAIN_MODES 4u
+
+/* Estimated state of the vibration modes that the gain monitor compares. */
+typedef struct pzs_gain_filter {
+    pzs_real position[PZS_GAIN_MODES]; /* modal coordinates (m) */
+    pzs_real velocity[PZS_GAIN_MODES]; /* modal velocities divided by angular frequencies (m) */
+    pzs_real load[PZS_GAIN_MODES];     /* static modal coordinates under loads (m) */
+} pzs_gain_filter;
+
+/*
+ * State of the gain monitor, with which the supervisor of a loop that damps vibration estimates how
+ * strongly, and with which sign, the structure follows the voltages.
+ */
+typedef struct pzs_gain_state {
+    pzs_gain_filter measured;  /* observer of the measured motion that knows no voltages */
+    pzs_gain_filter predicted; /* state of such an observer of the model's motion, less that motion
+                                */
+    pzs_real moved;   /* decaying sum of squares of the model's motion, as the observer filters it
+                         (m2) */
+    pzs_real product; /* decaying sum of products of the model's motion with the deviation from it,
+                         both filtered (m2) */
+    pzs_real deviation; /* decaying sum of squares of the filtered deviation (m2) */
+    /*
+     * corrections of position, velocity and load of each mode per prediction error of its observer;
+     * each tick computes those of one mode again, so that damaged ones do not last
+     */
+    pzs_real correction[PZS_GAIN_MODES][3];
+    uint32_t turn;     /* counter of ticks, which tells whose corrections the next one computes */
+    uint32_t reversed; /* counter of ticks in which the gain is that of amplifiers of the wrong
+                          polarity; others lower it by two */
+} pzs_gain_state;
+
 /*
  * State of the divergence monitor, with which the supervisor of the loop detects a measured shape
  * that the model cannot explain.
@@ -1071,6 +1104,7 @@ typedef struct pzs_monitor_state {
     pzs_polarity_state polarity;
     pzs_polarity_test_state test;
     pzs_stuck_state stuck;
+    pzs_gain_state gain;
     bool is_opposed; /* whether the structure has moved opposite to the predicted direction, by more
                         than loads and noise explain, as with reversed amplifiers */
     bool is_stuck;   /* whether the last tick found all readings stuck */

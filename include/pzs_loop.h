@@ -134,6 +134,12 @@ typedef struct pzs_loop_signals {
                                  sensor (unit of each sensor); NULL: without one */
     const pzs_real *expected; /* [sensors] with a vibration damper: readings in static equilibrium
                                  under the present voltages without loads (unit of each sensor) */
+    const pzs_real *modal_position; /* [modes] with a vibration damper: coordinates of the vibration
+                                       modes by the last usable readings alone (m); NULL: without
+                                       one */
+    const pzs_real *modal_rest;     /* [modes] with a vibration damper: coordinates of the vibration
+                                       modes in static equilibrium without loads, under the voltages
+                                       when the readings were taken (m) */
     uint32_t warnings; /* one bit, 1 << status, for each warning that a block (stage of the control
                           tick) has returned in this tick */
     pzs_status status; /* status of the tick after the stages that have run so far; the supervisor

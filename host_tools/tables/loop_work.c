@@ -63,7 +63,7 @@ double loop_work_rest(const block_counts *of, const loop_processor *on)
 {
     const double blocks = 150 * (double)of->blocks;
     const double rows = 60 * (double)of->rows + 120 * (double)of->row_entries;
-    return loops(of, on, 5, 165, 3680) + on->other * (blocks + rows);
+    return loops(of, on, 5, 159, 3680) + on->other * (blocks + rows);
 }
 
 /*
@@ -174,8 +174,8 @@ double loop_work_vibration(const block_counts *of, const loop_processor *on)
     const double filtered = modes == 0 ? 4 * (double)sensors : 0; /* low-pass filter of readings */
     return weighed + 4 * product(on, sensors, modes) + 2 * product(on, modes, of->inputs) +
            4 * product(on, modes, modes) + few + second_prediction(of, on) +
-           on->other * (82 * (double)sensors + 60 * (double)modes +
-                        predicted * (22 * (double)modes + 80) + protected_rows + filtered + 970);
+           on->other * (81 * (double)sensors + 60 * (double)modes +
+                        predicted * (22 * (double)modes + 80) + protected_rows + filtered + 1030);
 }
 
 /*
@@ -314,5 +314,8 @@ static double free_functions_work(const block_counts *of, const loop_processor *
 double loop_work_supervisor(const block_counts *of, const loop_processor *on)
 {
     const double both = second_prediction(of, on) + free_functions_work(of, on);
-    return of->is_damped ? loops(of, on, 16, 45, 930) + both : loops(of, on, 45, 60, 1200) + both;
+    const size_t modes = of->modes < PZS_GAIN_MODES ? of->modes : PZS_GAIN_MODES;
+    const double gain = on->other * (35 * (double)modes);
+    return of->is_damped ? loops(of, on, 13.5, 45, 1296) + gain + both
+                         : loops(of, on, 45, 60, 1200) + both;
 }

@@ -18,11 +18,12 @@
  * In a loop with a vibration damper, an implausible amplitude is an alarm only if it lasts for two
  * periods of the first mode and does not fall from one half period to the next, because several
  * shocks by loads may follow each other. A wrong polarity and sensors that are all stuck have
- * monitors of their own (polarity.h, polarity_test.h, stuck.h).
+ * monitors of their own (polarity.h, polarity_gain.h, polarity_test.h, stuck.h).
  */
 #include <string.h>
 #include "monitor.h"
 #include "polarity.h"
+#include "polarity_gain.h"
 #include "polarity_test.h"
 #include "stuck.h"
 #include "../core/guard.h"
@@ -195,7 +196,9 @@ static void start(pzs_monitor_state *monitor, const pzs_loop_signals *signals, b
         square += missed * missed * part;
         monitor->wanted[i] = wanted[i];
     }
-    if (!has_modes)
+    if (has_modes)
+        pzs_polarity_gain_begin(&monitor->gain, signals);
+    else
         store_shapes(monitor, disturbance, predicted, outputs);
     monitor->amplitude = 0;
     monitor->envelope = PZS_SQRT(square);
@@ -492,7 +495,11 @@ static uint32_t judge_modes(pzs_monitor_state *monitor, const pzs_supervision *t
     monitor->is_opposed = compare_motion(monitor, tables, signals, has_jumped);
     monitor->is_stuck = pzs_stuck_judge(&monitor->stuck, tables, signals, has_jumped);
     const uint32_t next = monitor->is_opposed ? over + 1u : lowered(over);
-    const bool is_lost = keeps_vibrating(monitor, tables) || next > tables->polarity_ticks;
+    const bool is_vibrating = keeps_vibrating(monitor, tables);
+    const bool is_reversed =
+        pzs_polarity_gain_is_reversed(&monitor->gain, tables, signals, monitor->vibrating > 0);
+    monitor->is_opposed = monitor->is_opposed || is_reversed;
+    const bool is_lost = is_vibrating || is_reversed || next > tables->polarity_ticks;
     return is_lost ? tables->alarm_ticks + 1u : next;
 }
 

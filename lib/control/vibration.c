@@ -573,16 +573,37 @@ static bool has_free_functions(const pzs_vibration *tables)
     return tables->precision != NULL && tables->gain == NULL && tables->modes > 0;
 }
 
+static void add_vector(pzs_real *restrict sum, const pzs_real *restrict vector, size_t count)
+{
+    size_t i = 0;
+    for (; i + 4 <= count; i += 4) {
+        UNROLLED
+        for (size_t k = i; k < i + 4; k++)
+            sum[k] += vector[k];
+    }
+    for (; i < count; i++)
+        sum[i] += vector[i];
+}
+
+/* Return the coordinates [modes] of the vibration modes by the readings alone (m). */
+static pzs_real *modal_position(const pzs_damper *damper)
+{
+    return damper->state.work + width_of(damper);
+}
+
 /*
  * Correct the estimated state of the vibration modes at the time at which the readings were taken,
- * and low-pass the part of the readings that the modes do not explain.
+ * and low-pass the part of the readings that the modes do not explain. The sum of the predicted
+ * modal coordinates and the part of the innovations that they explain is stored as modal_position.
  */
 static void correct(pzs_damper *damper)
 {
     const pzs_vibration *tables = damper->state.tables;
     const size_t modes = tables->modes, width = width_of(damper);
-    pzs_real *fit = damper->state.work, *change = damper->state.work + width;
+    pzs_real *fit = damper->state.work, *change = modal_position(damper);
+    pzs_real *before = damper->state.now; // not needed until catch_up
     project_innovation(damper, fit);
+    memcpy(before, damper->state.late, modes * sizeof *before);
     for (size_t part = 0; part < 3; part++) {
         pzs_real *state = damper->state.late + part * width;
         pzs_product_matrix(change, tables->observer + part * modes * modes, fit, modes, modes);
@@ -595,6 +616,7 @@ static void correct(pzs_damper *damper)
     const pzs_real sudden =
         low_pass(damper->state.residual, damper->state.innovation, tables->slow, tables->sensors);
     check_residuals(damper, sudden, change);
+    add_vector(change, before, modes);
     const pzs_real energy = has_free_functions(tables) ? explained : sudden;
     damper->info.innovation = energy > 0 ? PZS_SQRT(energy / (pzs_real)tables->sensors) : 0;
 }
@@ -659,18 +681,6 @@ static void damp(pzs_damper *damper)
                          tables->modes, tables->inputs);
     const pzs_real share = damper->state.control->state.is_paused ? 0 : tables->share;
     pzs_control_damp(damper->state.control, share, damper->state.damping, damper->state.carry);
-}
-
-static void add_vector(pzs_real *restrict sum, const pzs_real *restrict vector, size_t count)
-{
-    size_t i = 0;
-    for (; i + 4 <= count; i += 4) {
-        UNROLLED
-        for (size_t k = i; k < i + 4; k++)
-            sum[k] += vector[k];
-    }
-    for (; i < count; i++)
-        sum[i] += vector[i];
 }
 
 /*
@@ -949,6 +959,8 @@ static pzs_status block_tick(void *self, pzs_loop_signals *signals)
     signals->delay = tables->delay;
     signals->sensed = damper->state.sensed;
     signals->expected = expected_of(damper, 0);
+    signals->modal_position = modal_position(damper);
+    signals->modal_rest = equilibrium_of(damper, tables->delay);
     signals->deviation = PZS_SQRT(damper->info.deviation * damper->info.deviation +
                                   damper->info.innovation * damper->info.innovation);
     signals->where = damper->info.where;
