@@ -392,11 +392,10 @@ typedef struct pzs_control_state {
                                 largest weighted norm of a column of the influence matrix (m/V) */
     bool is_paused; /* true while a fault detector measures the response to a test pulse: the ticks
                        of the loop then damp vibration, but do not follow target and loads */
-    /*
-     * true after a tick in which the supervisor, not the control step, determined the voltages
-     * (ramps and polarity tests): a fault detector then ends its tests. The detector clears it
-     */
-    bool is_taken_over;
+    bool is_taken_over; /* true after a tick in which the supervisor, not the control step,
+                           determined the voltages: a fault detector then ends its tests */
+    bool is_led; /* true after a tick in which the supervisor moved the voltages, on a ramp or in a
+                    polarity test: the optimiser then does the least work */
     bool is_stuck; /* true while the supervisor finds all readings stuck: a vibration damper then
                       ignores them until one of them changes */
     bool has_step_limits; /* whether a step limit (largest change of a voltage in a tick) is shorter

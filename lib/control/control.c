@@ -214,14 +214,18 @@ static const pzs_real *expected_measurements(const pzs_control *control)
     return sum;
 }
 
-/* Return the largest number of multiply-adds that the optimiser may use in a tick. */
+/*
+ * Return the largest number of multiply-adds that the optimiser may use in a tick. Where the
+ * supervisor moves the voltages, its prediction of the shape takes the time of the optimiser.
+ */
 static uint64_t work_limit(const pzs_control *control)
 {
     const pzs_problem *problem = control->state.problem;
     const uint64_t least = problem->limit_rows != NULL
                                ? problem->limit_rows->call->least_work(problem)
                                : PZS_WORK_LEAST(problem->inputs);
-    return control->settings.work_limit > least ? control->settings.work_limit : least;
+    const uint64_t most = control->state.is_led ? 0 : control->settings.work_limit;
+    return most > least ? most : least;
 }
 
 /*

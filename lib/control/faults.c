@@ -742,15 +742,12 @@ static pzs_status block_init(void *self, const void *tables, pzs_loop_signals *s
 
 /*
  * End all running tests without a result if the supervisor has determined the voltages of the last
- * tick, because the test voltages were then not given.
- *   control in/out  its flag is_taken_over is cleared
- * Returns whether the supervisor has determined the voltages.
+ * tick, because the test voltages were then not given. Returns whether the supervisor has
+ * determined the voltages.
  */
-static bool end_overruled_tests(pzs_fault_detector *detector, pzs_control *control)
+static bool end_overruled_tests(pzs_fault_detector *detector, const pzs_control *control)
 {
-    guard_repair_bool(&control->state.is_taken_over);
     const bool was_taken_over = control->state.is_taken_over;
-    control->state.is_taken_over = false;
     for (uint32_t k = 0; k < PZS_TEST_SIGNALS && was_taken_over; k++)
         if (detector->state.test[k].input != NO_INPUT)
             end_test(detector, &detector->state.test[k]);

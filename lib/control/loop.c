@@ -549,6 +549,11 @@ pzs_status pzs_loop_tick(pzs_loop *loop, const pzs_real *wanted, const pzs_real 
     const pzs_problem *problem = problem_of(core);
     loop->info.control = core->control;
     pzs_control_restore(core->control, problem, core->influence, core->control_work);
+    if (!is_supervised(core)) {
+        // Nothing else would undo a flipped bit of these flags.
+        core->control->state.is_taken_over = false;
+        core->control->state.is_led = false;
+    }
     const uint32_t missed = loop->state.missed;
     loop->state.missed = 0;
     const pzs_status intact = scrub_tables(loop, core, problem) ? PZS_OK : PZS_E_CRC;

@@ -196,9 +196,9 @@ static void start(pzs_monitor_state *monitor, const pzs_loop_signals *signals, b
         square += missed * missed * part;
         monitor->wanted[i] = wanted[i];
     }
-    if (has_modes)
+    if (signals->vibration != NULL)
         pzs_polarity_gain_begin(&monitor->gain, signals);
-    else
+    if (!has_modes)
         store_shapes(monitor, disturbance, predicted, outputs);
     monitor->amplitude = 0;
     monitor->envelope = PZS_SQRT(square);
@@ -497,6 +497,7 @@ static uint32_t judge_modes(pzs_monitor_state *monitor, const pzs_supervision *t
     const uint32_t next = monitor->is_opposed ? over + 1u : lowered(over);
     const bool is_vibrating = keeps_vibrating(monitor, tables);
     const bool is_reversed =
+        signals->vibration != NULL &&
         pzs_polarity_gain_is_reversed(&monitor->gain, tables, signals, monitor->vibrating > 0);
     monitor->is_opposed = monitor->is_opposed || is_reversed;
     const bool is_lost = is_vibrating || is_reversed || next > tables->polarity_ticks;

@@ -1970,19 +1970,6 @@ static void interrupt(pzs_pulse_detector_state *state)
     begin(state, WAITING);
 }
 
-/*
- * Whether the supervisor has determined the voltages of the last tick, on a ramp or in a polarity
- * test. The test voltages were then not given, and the mean voltages are not those of the step.
- */
-static bool was_taken_over(const pzs_pulse_detector_state *state)
-{
-    bool *flag = &state->control->state.is_taken_over;
-    guard_repair_bool(flag);
-    const bool was = *flag;
-    *flag = false;
-    return was;
-}
-
 /* ---- block of the control loop -------------------------------------------- */
 
 static size_t block_bytes(const void *tables, const pzs_problem *problem)
@@ -2069,7 +2056,9 @@ static pzs_status block_tick(void *self, pzs_loop_signals *signals)
     repair_phase(state);
     take_readings(state, signals->readings);
     state->compensator = signals->compensator;
-    const bool has_moved = has_target_moved(state, signals->wanted) || was_taken_over(state);
+    // While the supervisor determines the voltages, test voltages are not given.
+    const bool has_moved =
+        has_target_moved(state, signals->wanted) || state->control->state.is_taken_over;
     if (has_moved && state->suspect != NO_INPUT)
         interrupt(state);
     state->is_moving = state->is_moving || has_moved;

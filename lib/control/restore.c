@@ -241,6 +241,8 @@ void pzs_control_restore(pzs_control *control, const pzs_problem *problem,
     pzs_control_filter(control, NULL);
     guard_repair_bool(&optimiser->is_verified);
     guard_repair_bool(&optimiser->is_rebuilding);
+    guard_repair_bool(&control->state.is_taken_over);
+    guard_repair_bool(&control->state.is_led);
     guard_repair_bool(&optimiser->is_predicted);
     guard_repair_bool(&optimiser->is_fresh);
     guard_repair_bool(&optimiser->is_dual);

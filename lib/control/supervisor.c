@@ -130,6 +130,12 @@ static bool is_in_control(uint32_t mode)
     return mode == PZS_MODE_RUNNING || mode == PZS_MODE_HOLDING;
 }
 
+/* Whether the supervisor moves the voltages in this mode. */
+static bool is_moving(uint32_t mode)
+{
+    return mode == PZS_MODE_PARKING || mode == PZS_MODE_STOPPING || mode == PZS_MODE_TESTING;
+}
+
 /* ---- ramps -------------------------------------------------------------- */
 
 /*
@@ -658,6 +664,7 @@ static pzs_status block_tick(void *self, pzs_loop_signals *signals)
         begin_test(supervisor);
     }
     signals->control->state.is_taken_over = !is_controlled;
+    signals->control->state.is_led = is_moving(core->mode);
     copy_core(supervisor);
     report(supervisor);
     return is_controlled ? PZS_OK : status_of(core->mode);

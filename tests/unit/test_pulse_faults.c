@@ -31,7 +31,8 @@ typedef struct strip {
     pzs_real weight[SENSORS], scale[SENSORS], noise[SENSORS];
     pzs_problem problem;
     pzs_selftest_tables tables;
-    pzs_block block[2];
+    pzs_block block[3];
+    bool is_kept;
     pzs_loop loop;
     pzs_real work[3000];
     pzs_real wanted[SENSORS], readings[SENSORS];
@@ -58,6 +59,32 @@ static double deflection(double x, double from, double to)
     const double bent = fmin(fmax(x - from, 0), to - from);
     return bent * bent / 2 + bent * fmax(x - to, 0);
 }
+
+static size_t no_memory(const void *tables, const pzs_problem *problem)
+{
+    (void)tables;
+    (void)problem;
+    return 0;
+}
+
+static pzs_status begin_keeper(void *self, const void *tables, pzs_loop_signals *signals)
+{
+    (void)self;
+    (void)tables;
+    (void)signals;
+    return PZS_OK;
+}
+
+/* A supervisor that determines the voltages if its tables are true. */
+static pzs_status keep_voltages(void *self, pzs_loop_signals *signals)
+{
+    (void)self;
+    signals->control->state.is_taken_over = *(const bool *)signals->tables;
+    return PZS_OK;
+}
+
+static const pzs_block_type keeper_block = {"keeper",     PZS_PHASE_SUPERVISE, no_memory,
+                                            begin_keeper, keep_voltages,       NULL};
 
 static void open_strip(strip *s)
 {
@@ -93,11 +120,12 @@ static void open_strip(strip *s)
                                       .gain_tolerance = 1};
     s->block[0] = (pzs_block){&pzs_step_block, &s->problem};
     s->block[1] = (pzs_block){&pzs_pulse_detector_block, &s->tables};
+    s->block[2] = (pzs_block){&keeper_block, &s->is_kept};
     s->gain = 1;
     s->seed = 1;
     assert_int_equal(pzs_problem_seal(&s->problem), PZS_OK);
     assert_int_equal(pzs_selftest_seal(&s->tables), PZS_OK);
-    assert_int_equal(pzs_loop_init(&s->loop, s->block, 2, NULL, s->work, sizeof s->work), PZS_OK);
+    assert_int_equal(pzs_loop_init(&s->loop, s->block, 3, NULL, s->work, sizeof s->work), PZS_OK);
 }
 
 static const pzs_pulse_detector *detector_of(const strip *s)
@@ -491,8 +519,10 @@ static void test_taken_over(void **state)
     suspect(&s, 1);
     s.fault[1] = PZS_FAULT_NONE;
     memcpy(kept, s.acting, sizeof kept);
+    s.is_kept = true;
+    (void)run_tick(&s, true);
+    memcpy(s.acting, kept, sizeof kept);
     for (int tick = 0; tick < 3 * PROOF; tick++) {
-        s.loop.info.control->state.is_taken_over = true;
         assert_int_not_equal(run_tick(&s, true), PZS_W_ELECTRODE);
         memcpy(s.acting, kept, sizeof kept);
         assert_free(&s);
