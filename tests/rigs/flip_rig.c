@@ -505,8 +505,8 @@ flip_count flip_rig_harmless(flip_rig *rig, long flips, const flip_window *windo
     close_state(&first);
     printf(
         "# %ld flips: %ld voltages beyond a limit, %ld reported by a status, %ld silent ones end "
-        "elsewhere, %ld end with other faulty electrodes, at most %ld ticks late; largest difference on the way %.1e of "
-        "the target, at the end %.1e\n",
+        "elsewhere, %ld end with other faulty electrodes, at most %ld ticks late; "
+        "largest difference on the way %.1e of the target, at the end %.1e\n",
         flips, count.beyond, count.told, count.silent, count.lost, count.latest, count.largest,
         count.last);
     flip_run_close(&healthy);
