@@ -316,6 +316,6 @@ double loop_work_supervisor(const block_counts *of, const loop_processor *on)
     const double both = second_prediction(of, on) + free_functions_work(of, on);
     const size_t modes = of->modes < PZS_GAIN_MODES ? of->modes : PZS_GAIN_MODES;
     const double gain = on->other * (35 * (double)modes);
-    return of->is_damped ? loops(of, on, 13.5, 45, 1296) + gain + both
+    return of->is_damped ? loops(of, on, 13.5, 45, 1320) + gain + both
                          : loops(of, on, 45, 60, 1200) + both;
 }

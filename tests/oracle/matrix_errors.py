@@ -109,7 +109,7 @@ def main():
     assert diverged > 1
     # a measurement that is known to be better is not refused
     assert run('check', 'influence.scatter=%g' % (errors['margin'] / 2))[0] == 0
-    print('margin against errors of the matrix: as numpy; %.3g %% without, %.3g %% with {relative: %g}'
+    print('ok 1 - margin against errors of the matrix: as numpy; %.3g %% without, %.3g %% with {relative: %g}'
           % (100 * errors['margin'], 100 * errors['regularised_margin'], errors['regularisation']))
 
 
