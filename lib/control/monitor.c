@@ -484,6 +484,7 @@ static bool compare_motion(pzs_monitor_state *monitor, const pzs_supervision *ta
     pzs_polarity_test_compare(&monitor->test, tables,
                               compared(signals, signals->control->info.predicted, PREDICTED_PLACE),
                               signals->measured, signals->control->state.problem->outputs);
+    pzs_polarity_pass(&monitor->polarity);
     return monitor->is_opposed;
 }
 

@@ -77,6 +77,12 @@ void pzs_polarity_begin(pzs_polarity_state *polarity, const pzs_supervision *tab
     polarity->remaining = polarity->first;
 }
 
+void pzs_polarity_pass(pzs_polarity_state *polarity)
+{
+    const bool has_begun = polarity->first - polarity->remaining >= 2u;
+    polarity->remaining -= has_begun && polarity->remaining > 0 ? 1u : 0u;
+}
+
 bool pzs_polarity_is_opposed(pzs_polarity_state *polarity, const pzs_real *predicted,
                              const pzs_real *measured, uint32_t outputs)
 {

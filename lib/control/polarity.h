@@ -34,4 +34,7 @@ void pzs_polarity_begin(pzs_polarity_state *polarity, const pzs_supervision *tab
 bool pzs_polarity_is_opposed(pzs_polarity_state *polarity, const pzs_real *predicted,
                              const pzs_real *measured, uint32_t outputs);
 
+/* Let a tick pass in which pzs_polarity_is_opposed is not called. */
+void pzs_polarity_pass(pzs_polarity_state *polarity);
+
 #endif

@@ -215,7 +215,7 @@ static double column_rms(const rig *r, size_t input)
  * ticks with a gated reading, and of ticks after an alarm of the supervisor, which only loads that
  * move the shape by more than MOST_TARGETS may raise.
  */
-#define MOST_TARGETS 1
+#define MOST_TARGETS 5
 static long run_loads(rig *r, double targets, int ticks)
 {
     tally all = {0, 0, 0, 0};
