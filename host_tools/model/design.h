@@ -215,6 +215,12 @@ int design_measured(design *design, char *error);
 int design_control(design *design, const double *influence, char *error);
 
 /*
+ * Mean diagonal entry of the Hessian of the voltage optimisation problem (m2/V2), to which a
+ * relative regularisation of the scene refers; after design_control.
+ */
+double design_mean_diagonal(const design *design);
+
+/*
  * Compute the voltage limits of every amplifier.
  *   common  in  origin of the limits that all amplifiers share: the scene file (LIMITS_SCENE, only
  *       after design_control), two given voltages (LIMITS_GIVEN), or none (LIMITS_NONE)

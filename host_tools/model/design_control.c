@@ -25,6 +25,20 @@ static void add_products(double *sum, double factor, const double *row, size_t f
         sum[k] += factor * row[k];
 }
 
+static double hessian_trace(const design *design)
+{
+    const size_t amplifiers = (size_t)design->amplifiers;
+    double trace = 0;
+    for (size_t j = 0; j < amplifiers; j++)
+        trace += design->hessian[j * amplifiers + j];
+    return trace;
+}
+
+double design_mean_diagonal(const design *design)
+{
+    return hessian_trace(design) / (double)design->amplifiers;
+}
+
 /*
  * Compute the Hessian B'W^2 B of half the squared error, with influence matrix B and weights W. It
  * is symmetric to the last bit, and has the bits of the Hessian that a device computes in double.
@@ -33,7 +47,6 @@ static void add_products(double *sum, double factor, const double *row, size_t f
 static double build_hessian(design *design)
 {
     const size_t amplifiers = (size_t)design->amplifiers;
-    double trace = 0;
     for (size_t i = 0; i < (size_t)design->targets; i++) {
         const double square = design->weight[i] * design->weight[i];
         const double *row = design->influence + i * amplifiers;
@@ -43,10 +56,8 @@ static double build_hessian(design *design)
     for (size_t j = 0; j < amplifiers; j++)
         for (size_t k = 0; k < j; k++)
             design->hessian[j * amplifiers + k] = design->hessian[k * amplifiers + j];
-    for (size_t j = 0; j < amplifiers; j++)
-        trace += design->hessian[j * amplifiers + j];
     return design->scene->limits.regularisation_is_relative
-               ? design->scene->limits.regularisation * trace / design->amplifiers
+               ? design->scene->limits.regularisation * hessian_trace(design) / design->amplifiers
                : design->scene->limits.regularisation;
 }
 

@@ -67,19 +67,6 @@ static bool is_stable_without_free(const design *design)
 }
 
 /*
- * Mean diagonal entry of the Hessian of the voltage optimisation problem, to which a relative
- * regularisation of the scene refers.
- */
-static double mean_diagonal(const design *design)
-{
-    const size_t amplifiers = (size_t)design->amplifiers;
-    double trace = 0;
-    for (size_t k = 0; k < amplifiers; k++)
-        trace += design->hessian[k * amplifiers + k];
-    return trace / (double)amplifiers;
-}
-
-/*
  * Make the section `hysteresis` of a scene file that describes the hysteresis of the simulated
  * plant. Returns false where no such section compensates it: there is no hysteresis, the amplifiers
  * differ in their limits, or the loop has limits between amplifiers.
@@ -122,7 +109,7 @@ static void find_regularisation(const design *design, certificate_loop *loop)
     scene changed = *design->scene;
     changed.limits.regularisation_is_relative = true;
     for (size_t i = 0; i < sizeof cures / sizeof *cures && !(loop->cure > 0); i++) {
-        if (!(cures[i] * mean_diagonal(design) > design->problem.regularisation))
+        if (!(cures[i] * design_mean_diagonal(design) > design->problem.regularisation))
             continue;
         changed.limits.regularisation = cures[i];
         loop->cures_tried = cures[i];

@@ -131,15 +131,6 @@ static bool try_scene(const scene *scene, cured *result)
     return passes;
 }
 
-static double mean_diagonal(const design *design)
-{
-    const size_t amplifiers = (size_t)design->amplifiers;
-    double trace = 0;
-    for (size_t k = 0; k < amplifiers; k++)
-        trace += design->hessian[k * amplifiers + k];
-    return trace / (double)amplifiers;
-}
-
 /* Change the regularisation of the tables of a loop. */
 static void set_regularisation(pzs_problem *problem, double regularisation)
 {
@@ -163,7 +154,7 @@ static bool try_cure(analysis *analysis, double relative, cured *result)
     if (analysis->certificate.loop.is_made || design->gains.is_used)
         return try_scene(&changed, result);
     const double present = design->problem.regularisation;
-    set_regularisation(&design->problem, relative * mean_diagonal(design));
+    set_regularisation(&design->problem, relative * design_mean_diagonal(design));
     result->error = shape_error(design);
     const bool passes = find_margin(analysis, &result->margin, &is_unstable, ignored) == 0;
     set_regularisation(&design->problem, present);
@@ -178,7 +169,7 @@ static void find_cure(analysis *analysis, certificate_matrix *matrix)
 {
     const int count = sizeof cures / sizeof *cures;
     const double present =
-        analysis->design.problem.regularisation / mean_diagonal(&analysis->design);
+        analysis->design.problem.regularisation / design_mean_diagonal(&analysis->design);
     int first = 0, end = count;
     progress_stage("regularisation against errors of the matrix");
     matrix->error = shape_error(&analysis->design);

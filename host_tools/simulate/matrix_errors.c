@@ -77,19 +77,6 @@ static double log_change(const storm *storm)
     return log(fmax(sqrt(squares), 1e-300));
 }
 
-/* Slope of the straight line that fits values best (least squares), as a function of their index.
- */
-static double slope(const double *value, int count)
-{
-    const double middle = (count - 1) / 2.0;
-    double product = 0, square = 0;
-    for (int i = 0; i < count; i++) {
-        product += (i - middle) * value[i];
-        square += (i - middle) * (i - middle);
-    }
-    return square > 0 ? product / square : 0;
-}
-
 /*
  * Run the ticks of a round: as many as a reading is old, and one. With late readings a loop without
  * a damper consists of so many independent ones, which take turns; one alone has been moved.
@@ -131,7 +118,7 @@ static pzs_status run_free(storm *storm, int ticks, double *size, bool *grows)
             is_clear = fabs(size[count] - reference) > log(enough);
         count++;
     }
-    *grows = slope(size + count / 2, count - count / 2) > least_growth / most;
+    *grows = storm_slope(size + count / 2, count - count / 2) > least_growth / most;
     return PZS_IS_ERROR(status) ? status : PZS_OK;
 }
 

@@ -25,12 +25,7 @@ static double amplitude(storm *storm)
     return hypot(storm_distance(storm, moved, NULL), storm_distance(storm, storm->part, NULL));
 }
 
-/*
- * Return the slope of the straight line that fits values best (least squares), as a function of
- * their indices.
- *   value [count] in  values, one for each index
- */
-static double slope(const double *value, int count)
+double storm_slope(const double *value, int count)
 {
     const double middle = (count - 1) / 2.0;
     double product = 0, square = 0;
@@ -66,7 +61,7 @@ static pzs_status run_free(storm *storm, int ticks, double *size, storm_result *
             break;
     }
     result->ticks = k < ticks ? k + 1 : ticks;
-    result->growth = exp(slope(size + result->ticks / 2, result->ticks - result->ticks / 2));
+    result->growth = exp(storm_slope(size + result->ticks / 2, result->ticks - result->ticks / 2));
     result->passed = result->growth < 1;
     return PZS_OK;
 }

@@ -116,6 +116,13 @@ void storm_compute_shape(storm *storm);
 double storm_distance(const storm *storm, const double *first, const double *second);
 
 /*
+ * Return the slope of the straight line that fits values best (least squares), as a function of
+ * their indices.
+ *   value [count] in  values, one for each index
+ */
+double storm_slope(const double *value, int count);
+
+/*
  * Return the static displacement of an output of the structure at 0 V (m). It has two parts: the
  * displacement by a load step and, on a structure linearised about a deformed state, the
  * displacement extrapolated from there to 0 V. Simulations of the growth of small vibrations leave
