@@ -36,16 +36,17 @@ static const double rest_tolerance = CERTIFICATE_TOLERANCE;
 
 /* ---- structure with errors --------------------------------------------- */
 
-/*
- * Copy a rig, and multiply the static response of each of its readings to each amplifier by a
- * random factor near 1. The copy shares all but these responses with the original; only the matrix
- * returned by wrong_matrix is its own.
- */
+/* The matrix of a rig that holds the static response of its readings to the amplifiers. */
 static tick_matrix *wrong_matrix(storm_rig *wrong)
 {
     return wrong->estimator ? &wrong->static_reading : &wrong->static_shape;
 }
 
+/*
+ * Copy a rig, and multiply the static response of each of its readings to each amplifier by a
+ * random factor near 1. The copy shares all but these responses with the original; only the matrix
+ * returned by wrong_matrix is its own. Returns false where memory runs out.
+ */
 static bool open_wrong(storm_rig *wrong, const storm_rig *rig, double scatter, uint64_t seed)
 {
     const double *right = rig->estimator ? rig->direct : rig->influence;
